@@ -1,0 +1,38 @@
+"""RTron's errors, by who must act.
+
+RTronError
+  + InputError      the user: a file or an argument is wrong (path, line, help)
+    - PlanError     … the plan is
+  + SourceError     the surroundings: a ROS master, a node, a bag does not answer
+  + WireError       the other side of a connection: it broke the protocol; never ours to fix
+"""
+
+
+class RTronError(Exception):
+    """Base of all; `help` says what to do about it."""
+
+    def __init__(self, message: str, *, help: str = "") -> None:
+        super().__init__(message)
+        self.help = help
+
+
+class InputError(RTronError):
+    """A file or an argument that the user gave is wrong; `line` counts from 1, 0 if unknown."""
+
+    def __init__(self, message: str, *, path: str = "", line: int = 0, help: str = "") -> None:
+        place = f"{path}:{line}: " if path and line else f"{path}: " if path else ""
+        super().__init__(place + message, help=help)
+        self.path = path
+        self.line = line
+
+
+class PlanError(InputError):
+    """The plan is wrong."""
+
+
+class SourceError(RTronError):
+    """Something that RTron reads from, a ROS master for instance, does not answer."""
+
+
+class WireError(RTronError):
+    """A peer sent what the protocol does not allow; its connection is closed."""

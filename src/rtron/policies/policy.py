@@ -1,0 +1,47 @@
+"""What every policy is: a sans-I/O state machine with three verbs, and time passed in.
+
+All times are integer nanoseconds of one steady clock and never go back.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from rtron.vocabulary import Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """A held message that leaves a policy's queue: let go, or dropped with the reason."""
+
+    message: object
+    verdict: Verdict
+
+
+class Policy(Protocol):
+    """One coordination node's rule for one topic.
+
+    `message` is a handle that the policy keeps while it holds the message and never looks into.
+    A message of a flow that the settings do not name is dropped.
+    """
+
+    def verdict(self, flow: str, message: object, now: int) -> Verdict:
+        """Decide about a message of `flow` that arrived at `now`."""
+        ...
+
+    def observe_done(self, now: int) -> None:
+        """Learn that the action in progress is done."""
+        ...
+
+    def tick(self, now: int) -> Sequence[Release]:
+        """Let time pass up to `now`; return what leaves the queue, in order."""
+        ...
+
+    def deadline(self) -> int | None:
+        """Return when `tick` next has something to do, or None."""
+        ...
+
+    @property
+    def owner(self) -> str | None:
+        """The flow that has the output, or None while it is free."""
+        ...

@@ -1,0 +1,184 @@
+"""Every closed set of words that RTron speaks, spelled as ROS and the paper spell them."""
+
+from enum import Enum
+
+
+class Word(str, Enum):
+    """A closed set of words; a member is its value in JSON, YAML, the CLI and the console."""
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+class Domain(Word):
+    """The part of the robot's workflow a topic or function belongs to (paper, table of repos)."""
+
+    PERCEPTION = "Perception"
+    PLANNING = "Planning"
+    CONTROL = "Control"
+    DRIVERS = "Drivers"
+    OTHERS = "Others"
+
+
+class FunctionType(Word):
+    """The paper's 17 function types (paper section 3.1)."""
+
+    PREPROCESSING = "Preprocessing"
+    LOCALIZATION = "Localization"
+    MAPPING = "Mapping"
+    RECOGNITION = "Recognition"
+    PATH_PLANNING = "Path Planning"
+    GOAL_PLANNER = "Goal Planner"
+    PATH_TRACKING = "Path Tracking"
+    TELEOPERATION = "Teleoperation"
+    SPEECH_GENERATION = "Speech Generation"
+    SWITCHER = "Switcher"
+    MOBILE = "Mobile"
+    MANIPULATOR = "Manipulator"
+    SPEAKER = "Speaker"
+    SENSORS = "Sensors"
+    VISUALIZATION = "Visualization"
+    SUPPORT = "Support"
+    EXTENSION = "Extension"
+
+
+class RecognitionSubfunction(Word):
+    """What a Recognition function recognises (paper section 3.2, footnote)."""
+
+    IMAGE = "Image Recognition"
+    OBJECT = "Object Recognition"
+    SPEECH = "Speech Recognition"
+    TEMPERATURE = "Temperature Recognition"
+    ILLUMINANCE = "Illuminance Recognition"
+    HUMIDITY = "Humidity Recognition"
+
+
+class Trust(Word):
+    """How far a node is trusted: its package is the user's own, somebody else's, or not known."""
+
+    OWN = "own"
+    THIRD_PARTY = "third_party"
+    UNKNOWN = "unknown"
+
+
+class Direction(Word):
+    """Whether an endpoint publishes or subscribes."""
+
+    PUBLISH = "publish"
+    SUBSCRIBE = "subscribe"
+
+
+class Resolution(Word):
+    """How an endpoint's topic name became known."""
+
+    LITERAL = "literal"
+    PARAMETER = "parameter"
+    SYMBOLIC = "symbolic"
+    MODEL = "model"
+    OBSERVED = "observed"
+
+
+class ActionRole(Word):
+    """The side of an action that a node plays."""
+
+    CLIENT = "client"
+    SERVER = "server"
+
+
+class Reliability(Word):
+    """ROS 2 reliability of an endpoint; ROS 1 is always reliable."""
+
+    RELIABLE = "reliable"
+    BEST_EFFORT = "best_effort"
+
+
+class Durability(Word):
+    """Whether a late subscriber gets what was said before; ROS 1 calls transient_local latched."""
+
+    VOLATILE = "volatile"
+    TRANSIENT_LOCAL = "transient_local"
+
+
+class RiskKind(Word):
+    """The kinds of risk that Algorithm 1 finds (paper section 4)."""
+
+    GR_ST = "GR-ST"
+    GR_MT = "GR-MT"
+    RSR = "RSR"
+    MSR = "MSR"
+
+
+class Role(Word):
+    """The part a high-risk node plays in a risk."""
+
+    PUBLISHER = "publisher"
+    IMAGE = "image"
+    MAX_VEL = "max_vel"
+    EVENT = "event"
+    ACTION = "action"
+
+
+class Severity(Word):
+    """How bad a risk is, mildest first."""
+
+    LOW = "low"
+    MEDIUM = "medium"
+    HIGH = "high"
+
+
+class CoordinationKind(Word):
+    """The coordination nodes of paper section 5.1."""
+
+    GRCN = "GRCN"
+    RSRCN = "RSRCN"
+    MSRCN = "MSRCN"
+    FPS_MONITOR = "fps_monitor"
+
+
+class Mode(Word):
+    """Whether a coordination node stands in the flow or only watches it."""
+
+    ENFORCE = "enforce"
+    OBSERVE = "observe"
+
+
+class Sharing(Word):
+    """Whether a topic's publishers each own a part of it (merge) or take turns (contend)."""
+
+    MERGE = "merge"
+    CONTEND = "contend"
+
+
+class StreamKind(Word):
+    """What a topic carries: velocity-like commands, goals of an action, or state."""
+
+    COMMAND = "command"
+    ACTION = "action"
+    STATE = "state"
+
+
+class PolicyName(Word):
+    """The policies of the paper's table."""
+
+    BLOCK = "Block"
+    FIFO_QUEUE = "FIFO_Queue"
+    PRIORITY_QUEUE = "Priority_Queue"
+    PREEMPTION = "Preemption"
+    SAFE = "Safe"
+    CONSTRAIN = "Constrain"
+
+
+class Executor(Word):
+    """Who may set a policy (paper, Executor column)."""
+
+    DEVELOPER = "developer"
+    END_USER = "end_user"
+
+
+class Decision(Word):
+    """What a policy does with a message."""
+
+    PASS = "pass"
+    HOLD = "hold"
+    DROP = "drop"
+    MODIFY = "modify"

@@ -1,0 +1,165 @@
+"""The InteractionGraph: who publishes what to whom in an app (paper section 2.1)."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from rtron.vocabulary.enums import (
+    ActionRole,
+    Direction,
+    Domain,
+    Durability,
+    FunctionType,
+    Reliability,
+    Resolution,
+    Trust,
+)
+
+GRAPH_SCHEMA = "rtron.graph/1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """Where a fact was read: a file (or an address, for a running app) and a line (from 1)."""
+
+    file: str
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QoS:
+    """The quality of service an endpoint asks for; depth counts messages."""
+
+    reliability: Reliability = Reliability.RELIABLE
+    durability: Durability = Durability.VOLATILE
+    depth: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Node:
+    """A ROS node: its full name, and where it comes from as far as that is known."""
+
+    name: str
+    package: str = ""
+    executable: str = ""
+    origin: str = ""
+    trust: Trust = Trust.UNKNOWN
+    function: FunctionType | None = None
+    domain: Domain | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Topic:
+    """A topic and the message types its endpoints use; more than one type is a fault of the app."""
+
+    name: str
+    types: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Endpoint:
+    """One node publishing or subscribing one topic.
+
+    `declared_name` is the name before remapping; `implicit` marks what the client library adds
+    by itself (`/rosout`, `/clock`).
+    """
+
+    node: str
+    topic: str
+    direction: Direction
+    type: str = ""
+    declared_name: str = ""
+    implicit: bool = False
+    resolution: Resolution = Resolution.LITERAL
+    qos: QoS | None = None
+    evidence: tuple[Evidence, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Service:
+    """A service that a node offers."""
+
+    node: str
+    name: str
+    type: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Action:
+    """A node's side of an action, the whole action as one unit; `name` is its namespace."""
+
+    node: str
+    name: str
+    type: str = ""
+    role: ActionRole
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unresolved:
+    """Something that could not be read, and why: never silently left out."""
+
+    what: str
+    why: str
+    evidence: tuple[Evidence, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class InteractionGraph:
+    """Nodes, topics and endpoints of an app, with its services, actions and what stayed unresolved.
+
+    `ros` is the generation, 1 or 2. Indexes by topic and by node are built on first use, in one
+    pass over the endpoints.
+    """
+
+    app: str
+    ros: int = 1
+    nodes: tuple[Node, ...] = ()
+    topics: tuple[Topic, ...] = ()
+    endpoints: tuple[Endpoint, ...] = ()
+    services: tuple[Service, ...] = ()
+    actions: tuple[Action, ...] = ()
+    unresolved: tuple[Unresolved, ...] = ()
+    _indexes: dict[str, Mapping[str, tuple[Endpoint, ...]]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+
+    def publishers(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the endpoints that publish `topic`."""
+        return self._index("publishers", Direction.PUBLISH, _topic_of).get(topic, ())
+
+    def subscribers(self, topic: str) -> tuple[Endpoint, ...]:
+        """Return the endpoints that subscribe `topic`."""
+        return self._index("subscribers", Direction.SUBSCRIBE, _topic_of).get(topic, ())
+
+    def published_by(self, node: str) -> tuple[Endpoint, ...]:
+        """Return what `node` publishes."""
+        return self._index("published_by", Direction.PUBLISH, _node_of).get(node, ())
+
+    def subscribed_by(self, node: str) -> tuple[Endpoint, ...]:
+        """Return what `node` subscribes."""
+        return self._index("subscribed_by", Direction.SUBSCRIBE, _node_of).get(node, ())
+
+    def _index(
+        self, name: str, direction: Direction, key: Callable[[Endpoint], str]
+    ) -> Mapping[str, tuple[Endpoint, ...]]:
+        if name not in self._indexes:
+            chosen = (e for e in self.endpoints if e.direction is direction)
+            self._indexes[name] = _grouped(chosen, key)
+        return self._indexes[name]
+
+
+def _topic_of(endpoint: Endpoint) -> str:
+    return endpoint.topic
+
+
+def _node_of(endpoint: Endpoint) -> str:
+    return endpoint.node
+
+
+def _grouped(
+    endpoints: Iterable[Endpoint], key: Callable[[Endpoint], str]
+) -> Mapping[str, tuple[Endpoint, ...]]:
+    groups: dict[str, list[Endpoint]] = defaultdict(list)
+    for endpoint in endpoints:
+        groups[key(endpoint)].append(endpoint)
+    return {name: tuple(group) for name, group in groups.items()}

@@ -1,0 +1,51 @@
+"""A Risk and the report that a scan gives (paper section 4)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rtron.vocabulary.enums import Domain, RiskKind, Role, Severity
+from rtron.vocabulary.graph import Evidence
+
+RISKS_SCHEMA = "rtron.risks/1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Risk:
+    """A way in which a node can harm others, found by one rule.
+
+    `one_to_one` is true where every topic has one publisher and one subscriber, the narrow
+    reading of GR-MT in paper section 4.1; it marks the risk and filters nothing.
+    """
+
+    id: str
+    kind: RiskKind
+    rule: str
+    role_nodes: Mapping[Role, tuple[str, ...]]
+    topics: tuple[str, ...]
+    message_type: str
+    successors: tuple[str, ...]
+    domain: Domain
+    severity: Severity
+    reason: str
+    one_to_one: bool = False
+    evidence: tuple[Evidence, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CoordinationCount:
+    """How many coordination nodes a set of risks asks for, as the paper's table counts them."""
+
+    grcn: Mapping[Domain, int]
+    fps_monitor: int
+    rsrcn: int
+    msrcn: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RiskReport:
+    """The risks of an app, their number by kind, and the rules that could not run and why."""
+
+    app: str
+    risks: tuple[Risk, ...]
+    coordination_nodes: CoordinationCount
+    not_run: Mapping[str, str] = field(default_factory=dict)
