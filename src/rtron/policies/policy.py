@@ -1,6 +1,9 @@
 """What every policy is: a sans-I/O state machine with three verbs, and time passed in.
 
-All times are integer nanoseconds of one steady clock and never go back.
+All times are integer nanoseconds of one steady clock and never go back. Only `tick` and `close`
+let held messages leave, and each leaves exactly once. When `verdict` or `observe_done` makes
+something due, `deadline` says so with a time that has come: tick after each call that leaves
+`deadline() <= now`.
 """
 
 from collections.abc import Sequence
@@ -35,6 +38,10 @@ class Policy(Protocol):
 
     def tick(self, now: int) -> Sequence[Release]:
         """Let time pass up to `now`; return what leaves the queue, in order."""
+        ...
+
+    def close(self) -> Sequence[Release]:
+        """Give up every held message, because other settings or the end follow."""
         ...
 
     def deadline(self) -> int | None:

@@ -56,7 +56,13 @@ from rtron.vocabulary.plan import (
     MSRCN,
     Plan,
 )
-from rtron.vocabulary.risk import RISKS_SCHEMA, Risk, CoordinationCount, RiskReport
+from rtron.vocabulary.risk import (
+    RISKS_SCHEMA,
+    Risk,
+    CoordinationCount,
+    RiskReport,
+    TopicClass,
+)
 from rtron.vocabulary.stream import PolicySettings, Stage, Stream, streams
 from rtron.vocabulary.verdict import Verdict
 
@@ -110,6 +116,7 @@ __all__ = [
     "Stream",
     "StreamKind",
     "Topic",
+    "TopicClass",
     "Trust",
     "UNAPPROVED",
     "Unresolved",

@@ -6,18 +6,36 @@ from dataclasses import dataclass
 from rtron.vocabulary.graph import Unresolved
 
 
+def resolve_name(name: str, node: str) -> str:
+    """Return a name as it resolves at a node, before remapping (ROS wiki: Names).
+
+    `/absolute` stays, `~private` stands below the node, everything else beside it.
+    """
+    if name.startswith("/"):
+        return canonical_name(name)
+    parent = node if name.startswith("~") else node.rpartition("/")[0]
+    return canonical_name(f"{parent}/{name.removeprefix('~')}")
+
+
+def canonical_name(name: str) -> str:
+    """Return a name without doubled or trailing slashes (ROS wiki: Names)."""
+    root = "/" if name.startswith("/") else ""
+    return root + "/".join(part for part in name.split("/") if part)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Remap:
-    """A remap in force at a node: both names as they resolve there, and `from` as written."""
+    """A remap in force at a node: both its names as written, and as they resolve there."""
 
     written: str
+    written_target: str
     declared: str
     target: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchNode:
-    """A `<node>` or `<test>` that starts: its full name, what it runs and the remaps it inherits.
+    """A `<node>` or `<test>` that starts: its full name, what it runs, the remaps in force.
 
     `element` counts the elements of its file in document order, the root being 0. `anonymous`
     means that the name changes at every start (`$(anon …)`); `name` then is a pattern with `*`.
@@ -35,15 +53,23 @@ class LaunchNode:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchInclude:
-    """An `<include>` that is taken, and the file as it is seen from there."""
+    """An `<include>` that is taken, and the file as it is seen from there.
+
+    `element` counts the elements of the including file in document order, the root being 0.
+    `spelled` is the file's name as it is evaluated there.
+    """
 
     element: int
+    spelled: str
     file: "LaunchFile"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchFile:
-    """One inclusion of a launch file; the same file included twice stands here twice."""
+    """One inclusion of a launch file; the same file included twice stands here twice.
+
+    `path` is absolute and spelled as roslaunch opens it.
+    """
 
     path: str
     nodes: tuple[LaunchNode, ...] = ()

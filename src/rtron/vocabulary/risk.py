@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rtron.vocabulary.enums import Domain, RiskKind, Role, Severity
+from rtron.vocabulary.enums import Domain, RiskKind, Role, Severity, Sharing, StreamKind
 from rtron.vocabulary.graph import Evidence
 
 RISKS_SCHEMA = "rtron.risks/1"
@@ -42,10 +42,25 @@ class CoordinationCount:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class TopicClass:
+    """What a topic is for: its domain, whether its publishers take turns, and what it carries."""
+
+    domain: Domain = Domain.OTHERS
+    sharing: Sharing = Sharing.CONTEND
+    kind: StreamKind = StreamKind.STATE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RiskReport:
-    """The risks of an app, their number by kind, and the rules that could not run and why."""
+    """The risks of an app, their number by kind, and the rules that could not run and why.
+
+    `topic_classes` has every topic of a risk. `viewers` are the nodes that only record or show
+    what they subscribe: they are nobody's successors.
+    """
 
     app: str
     risks: tuple[Risk, ...]
     coordination_nodes: CoordinationCount
     not_run: Mapping[str, str] = field(default_factory=dict)
+    topic_classes: Mapping[str, TopicClass] = field(default_factory=dict)
+    viewers: tuple[str, ...] = ()

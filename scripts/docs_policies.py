@@ -1,0 +1,66 @@
+"""Write docs/policies/<Name>.md from each policy's docstring and table.
+
+With --check, write nothing, name the pages that are stale and exit 1 if there are any.
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from pathlib import Path
+
+from rtron.policies import POLICIES, Policy
+from rtron.policies.machine import Named, Table
+from rtron.vocabulary import PolicyName, PolicySettings
+
+PAGES = Path(__file__).parent.parent / "docs" / "policies"
+_EXAMPLE = "## Example\n\n"
+
+
+def policy_page(name: PolicyName, policy: Callable[[PolicySettings], Policy]) -> str:
+    """Return a policy's page in Markdown."""
+    module = import_module(policy.__module__)
+    summary, text = (module.__doc__ or "").strip().split("\n", 1)
+    text, example = text.split(_EXAMPLE)
+    summary = summary.removeprefix(f"{name}: ")
+    states = "\n".join(_states(module.TABLE))
+    return (
+        f"# {name}\n\n{summary[0].upper()}{summary[1:]}\n{text}{states}\n\n"
+        f"{_EXAMPLE}```pycon\n{example}\n```\n"
+    )
+
+
+def _states(table: Table[Named, Named]) -> Iterator[str]:
+    for state in dict.fromkeys(state for state, _ in table):
+        yield f"- **{state.name}**: {state.value}"
+    yield "\n| state | what happens | next state | effect |\n|---|---|---|---|"
+    for (state, happens), (after, effect) in table.items():
+        yield f"| {state.name} | {happens.value} | {after.name} | {effect.value} |"
+
+
+def stale(pages: Path) -> dict[Path, str]:
+    """Return what should stand in each page that does not."""
+    wanted = {pages / f"{name}.md": policy_page(name, made) for name, made in POLICIES.items()}
+    return {
+        path: page
+        for path, page in wanted.items()
+        if not path.exists() or path.read_text(encoding="utf-8") != page
+    }
+
+
+def main() -> int:
+    """Write the stale pages, or name them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing, exit 1 if stale")
+    check = parser.parse_args().check
+    found = stale(PAGES)
+    for path, page in found.items():
+        if check:
+            print(f"{path} is stale: run scripts/docs_policies.py", file=sys.stderr)
+        else:
+            path.write_text(page, encoding="utf-8")
+    return 1 if check and found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,62 @@
+"""Write docs/rules/<name>.md and their index from the rules' docstrings.
+
+With --check, write nothing, name the pages that are stale and exit 1 if there are any.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from rtron.risks import RULES, explain, severity
+
+PAGES = Path(__file__).parent.parent / "docs" / "rules"
+
+
+def index() -> str:
+    """Return the index of the rules in Markdown."""
+    rows = [f"| [{r.name}]({r.name}.md) | {r.kind} | {r.title} | {r.severity} |" for r in RULES]
+    return "\n".join(
+        [
+            "# Rules",
+            "",
+            "What `rtron scan` looks for, one page a rule; `rtron explain <rule>` prints the page.",
+            "",
+            "| rule | kind | what it finds | severity |",
+            "|---|---|---|---|",
+            *rows,
+            "",
+            "## Severity",
+            "",
+            (severity.__doc__ or "").strip(),
+            "",
+        ]
+    )
+
+
+def stale(pages: Path) -> dict[Path, str]:
+    """Return what should stand in each page that does not."""
+    wanted = {pages / f"{rule.name}.md": explain(rule.name) for rule in RULES}
+    wanted[pages / "README.md"] = index()
+    return {
+        path: page
+        for path, page in wanted.items()
+        if not path.exists() or path.read_text(encoding="utf-8") != page
+    }
+
+
+def main() -> int:
+    """Write the stale pages, or name them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing, exit 1 if stale")
+    check = parser.parse_args().check
+    found = stale(PAGES)
+    for path, page in found.items():
+        if check:
+            print(f"{path} is stale: run scripts/docs_rules.py", file=sys.stderr)
+        else:
+            path.write_text(page, encoding="utf-8")
+    return 1 if check and found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,5 @@
+"""`python -m rtron` is `rtron`."""
+
+from rtron.cli.main import main
+
+main()

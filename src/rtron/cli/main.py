@@ -1,0 +1,67 @@
+"""The command `rtron`."""
+
+import sys
+from io import TextIOWrapper
+from typing import Annotated
+
+import typer
+
+from rtron import __version__
+from rtron.cli.check import check
+from rtron.cli.explain import explain
+from rtron.cli.guard import guard
+from rtron.cli.instrument import instrument
+from rtron.cli.outcome import BAD_INPUT, Outcome, complain, deliver
+from rtron.cli.plan import plan
+from rtron.cli.scan import scan
+from rtron.cli.schema import schema
+from rtron.errors import RTronError
+
+COMMANDS = (scan, plan, check, instrument, guard, explain, schema)
+
+app = typer.Typer(
+    name="rtron",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for command in COMMANDS:
+    app.command()(command)
+
+
+def main() -> None:
+    """Run the command line and end with its exit code; the one place where errors are shown."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        app(prog_name="rtron")
+    except RTronError as error:
+        complain(error)
+        sys.exit(BAD_INPUT)
+
+
+def _version(wanted: bool) -> None:  # noqa: FBT001 - typer hands over the option's value
+    if wanted:
+        deliver(Outcome(f"rtron {__version__}\n"))
+
+
+@app.callback(result_callback=deliver)
+def start(
+    *,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Find what the functions of a robot app can do to each other, and guard it while it runs.
+
+    From an app to a guarded app:
+
+    $ rtron scan graph.json                who can interfere with whom
+    $ rtron plan graph.json -o rtron.yaml  what to put in between
+    $ rtron check rtron.yaml               after you edited the plan
+    $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
+    $ roslaunch guarded.launch             the app, guarded
+
+    Completion of commands and names: rtron --install-completion
+    """

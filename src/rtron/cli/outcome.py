@@ -1,0 +1,103 @@
+"""What a command has to say: printed here and nowhere else, with the exit code."""
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.markdown import Markdown
+from rich.text import Text
+
+from rtron.errors import InputError, RTronError
+from rtron.reports.lines import Report
+from rtron.reports.neutral import neutral
+
+OK, FOUND, BAD_INPUT = 0, 1, 2
+STDOUT = Path("-")
+_FILE_WIDTH = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a command prints, or writes to the file `to`, and the exit code it ends with."""
+
+    shown: str | Report | Markdown
+    exit_code: int = OK
+    to: Path = STDOUT
+
+
+def as_json(document: Mapping[str, object]) -> str:
+    """Return a document as JSON text; what is not ASCII is escaped, so a terminal is safe."""
+    return json.dumps(document, indent=2) + "\n"
+
+
+def deliver(outcome: Outcome, **_: object) -> None:
+    """Print or write what a command found and end with its exit code."""
+    if outcome.to == STDOUT:
+        _print(outcome.shown)
+    else:
+        page = Console(file=StringIO(), width=_FILE_WIDTH, force_terminal=False, color_system=None)
+        write_file(outcome.to, _rendered(outcome.shown, page))
+    raise typer.Exit(outcome.exit_code)
+
+
+def write_file(path: Path, text: str) -> None:
+    """Write a file whole; raise InputError if that is not possible."""
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise _unwritable(error, str(path)) from None
+
+
+def replace_file(path: Path, text: str) -> None:
+    """Write a file that somebody may have edited; what was there stays beside it as `.bak`."""
+    try:
+        if path.is_file() and path.read_bytes() != text.encode():
+            path.replace(path.with_name(path.name + ".bak"))
+    except OSError as error:
+        raise _unwritable(error, str(path)) from None
+    write_file(path, text)
+
+
+def complain(error: RTronError) -> None:
+    """Say on standard error what is wrong and what to do about it."""
+    console = Console(stderr=True, highlight=False)
+    rows = [Text.assemble(("error: ", "bold red"), _harmless(str(error)))]
+    if error.help:
+        rows.append(Text.assemble(("help: ", "bold green"), _harmless(error.help)))
+    console.print(*rows, sep="\n", soft_wrap=True)
+
+
+def _harmless(message: str) -> str:
+    return "\n".join(map(neutral, message.split("\n")))
+
+
+def _print(shown: str | Report | Markdown) -> None:
+    try:
+        sys.stdout.write(_rendered(shown, Console()))
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Python flushes once more at exit and would complain then.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        raise _unwritable(error, "standard output") from None
+
+
+def _rendered(shown: str | Report | Markdown, console: Console) -> str:
+    if isinstance(shown, str):
+        return shown
+    if isinstance(shown, Markdown) and not console.is_terminal:
+        return shown.markup
+    with console.capture() as captured:
+        console.print(shown, soft_wrap=isinstance(shown, Report))
+    return captured.get()
+
+
+def _unwritable(error: OSError, path: str) -> InputError:
+    reason = error.strerror or "cannot be written"
+    return InputError(reason, path=path, help="choose a file that can be written")

@@ -1,0 +1,73 @@
+"""`rtron plan`."""
+
+from pathlib import Path
+from shlex import quote
+from typing import Annotated
+
+import typer
+
+from rtron.cli.app import App, chosen_app
+from rtron.cli.options import (
+    DEFAULT_MASTER,
+    DEFAULT_TIMEOUT,
+    GraphPath,
+    Lists,
+    Live,
+    Master,
+    Timeout,
+)
+from rtron.cli.outcome import STDOUT, Outcome, replace_file
+from rtron.cli.remarks import remarks_of
+from rtron.planning.propose import left_out, propose_plan
+from rtron.planning.write import write_plan
+from rtron.reports.plan_text import plan_text
+from rtron.risks import discover, load_lists
+
+APP_LAUNCH = Path("APP.launch")
+
+
+def plan(
+    graph: GraphPath = None,
+    *,
+    live: Live = False,
+    master: Master = DEFAULT_MASTER,
+    timeout: Timeout = DEFAULT_TIMEOUT,
+    lists: Lists = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="rtron.yaml", help="Write the plan; - prints it."),
+    ] = None,
+    launch: Annotated[
+        Path,
+        typer.Option(metavar="APP.launch", help="The launch file that starts the app."),
+    ] = APP_LAUNCH,
+) -> Outcome:
+    """Propose what to put between the nodes of an app.
+
+    The scan tells who can interfere with whom. The plan says which
+    coordination nodes stand in between, which flow goes first and what is
+    blocked. It is yours to edit: set the priorities, then check it.
+
+    $ rtron plan graph.json                look at the proposal
+    $ rtron plan graph.json -o rtron.yaml  write it; an older one becomes .bak
+    $ rtron plan graph.json -o -           print the YAML
+
+    Exit code: 0 proposed, 2 bad input.
+    """
+    app = chosen_app(graph, master if live else None, timeout)
+    found = app.source.read()
+    report = discover(found, load_lists(lists) if lists else None)
+    proposed = propose_plan(found, report)
+    if output == STDOUT:
+        return Outcome(write_plan(proposed))
+    if output:
+        replace_file(output, write_plan(proposed))
+    left = remarks_of(left_out(found, report))
+    return Outcome(plan_text(proposed, _next_step(app, output, launch), left))
+
+
+def _next_step(app: App, written: Path | None, launch: Path) -> str:
+    if written is None:
+        return f"rtron plan {app.arguments} -o rtron.yaml"
+    plan_file, app_launch = quote(str(written)), quote(str(launch))
+    return f"rtron instrument {app_launch} --plan {plan_file} -o guarded.launch"

@@ -1,0 +1,150 @@
+"""A connection to one subscriber: what it waits for is bounded, and it delays nobody else."""
+
+import logging
+import socket
+from collections import deque
+from collections.abc import Callable
+
+from rtron.errors import WireError
+from rtron.guard.transport.ros1.loop import Loop
+from rtron.wire.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
+
+log = logging.getLogger(__name__)
+
+_HANDSHAKE_S = 10.0
+_CHUNK = 1 << 16
+_BATCH = 64
+
+
+class SubscriberLink:
+    """One accepted TCPROS connection, from its header to its end.
+
+    `limit` bounds the messages that wait for a slow subscriber; beyond it the oldest is dropped
+    and counted, as roscpp's publisher queue does.
+    """
+
+    def __init__(
+        self,
+        loop: Loop,
+        sock: socket.socket,
+        opened: Callable[["SubscriberLink", dict[str, str]], None],
+    ) -> None:
+        self._loop = loop
+        self._sock = sock
+        self._opened = opened
+        self._header = FrameReader(MAX_HEADER)
+        self._head: memoryview | None = None
+        self._queue: deque[bytes] = deque()
+        self._fresh: list[bytes] = []
+        self.closed: Callable[[SubscriberLink], None] = lambda link: None
+        self.node = ""
+        self.md5sum = ""
+        self.limit = 1
+        self.streaming = False
+        self.is_closed = False
+        self.sent = self.sent_bytes = self.dropped = 0
+        loop.watch(sock, self._readable, self._broken)
+        loop.call_later(_HANDSHAKE_S, self._expire)
+
+    @property
+    def address(self) -> str:
+        """The subscriber's address, for people."""
+        try:
+            host, port = self._sock.getpeername()[:2]
+        except OSError:
+            return "closed"
+        return f"{host}:{port}"
+
+    def welcome(self, fields: dict[str, str]) -> None:
+        """Answer the header; messages may follow."""
+        self.streaming = True
+        self._enqueue(encode_header(fields))
+
+    def refuse(self, why: str) -> None:
+        """Answer the header with an error, as ROS 1 does, and close."""
+        log.warning("subscriber %s at %s refused: %s", self.node or "?", self.address, why)
+        self._enqueue(encode_header({"error": why}))
+        self._flush()
+        self.close()
+
+    def send(self, message: bytes) -> None:
+        """Send a message, or let it wait while the subscriber is slow."""
+        if not self._fresh:
+            self._loop.after(self._flush)
+        self._fresh.append(message)
+
+    def close(self) -> None:
+        """End the connection; what waited is counted as dropped."""
+        if self.is_closed:
+            return
+        self.is_closed = True
+        self.dropped += len(self._queue)
+        self._queue.clear()
+        self._loop.forget(self._sock)
+        self.closed(self)
+
+    def _flush(self) -> None:
+        fresh, self._fresh = self._fresh, []
+        if self.is_closed:
+            return
+        self.sent += len(fresh)
+        if self._head is None and len(fresh) == 1:
+            self._enqueue(fresh[0])
+            return
+        for at in range(0, len(fresh), _BATCH):
+            self._hold(fresh[at : at + _BATCH])
+
+    def _hold(self, messages: list[bytes]) -> None:
+        if self._head is None:
+            self._enqueue(b"".join(messages))
+            return
+        self._queue.extend(messages)
+        while len(self._queue) > self.limit:
+            self._queue.popleft()
+            self.dropped += 1
+
+    def _enqueue(self, data: bytes) -> None:
+        """Write while nothing waits; what the kernel does not take becomes the head."""
+        try:
+            written = self._sock.send(data)
+        except BlockingIOError:
+            written = 0
+        except OSError as error:
+            self._broken(error)
+            return
+        self.sent_bytes += written
+        if written < len(data):
+            self._head = memoryview(data)[written:]
+            self._loop.await_writable(self._sock, self._writable)
+
+    def _writable(self) -> None:
+        head, self._head = self._head, None
+        if head is not None:
+            self._enqueue(head)  # type: ignore[arg-type]
+        while self._head is None and self._queue:
+            self._enqueue(self._queue.popleft())
+        if self._head is None and not self.is_closed:
+            self._loop.await_writable(self._sock, None)
+
+    def _readable(self) -> None:
+        data = self._sock.recv(_CHUNK)
+        if not data:
+            raise WireError("closed by the subscriber")
+        if self.md5sum:
+            return
+        for frame in self._header.feed(data)[:1]:
+            fields = decode_header(frame[4:])
+            self.node = fields.get("callerid", "")
+            self.md5sum = fields.get("md5sum", "")
+            if not self.md5sum:
+                raise WireError("the header has no md5sum")
+            self._opened(self, fields)
+
+    def _expire(self) -> None:
+        if not self.md5sum and not self.is_closed:
+            self._broken(WireError("no connection header in time"))
+
+    def _broken(self, error: Exception) -> None:
+        if not self.is_closed:
+            log.info("subscriber %s at %s: %s", self.node or "?", self.address, error)
+            self.close()

@@ -1,0 +1,80 @@
+"""What the guard needs of a middleware: nodes, inputs, outputs and a clock.
+
+Messages are bytes as the middleware frames them; nothing here looks inside.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+Receive = Callable[[bytes], None]
+"""Takes one message."""
+
+
+@dataclass(frozen=True, slots=True)
+class TypeInfo:
+    """A message type as its publisher describes it."""
+
+    type: str
+    md5sum: str
+    definition: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """The publisher at the other end of a connection.
+
+    `verified` is true when the middleware's own record confirms that `node` lives there; a name
+    that a peer only claims is not verified.
+    """
+
+    node: str
+    info: TypeInfo
+    latching: bool = False
+    verified: bool = True
+
+
+Connect = Callable[[Peer], Receive | None]
+"""Says what takes the messages of a publisher that connected, or None to refuse it."""
+
+
+class Output(Protocol):
+    """A topic that a node of the guard publishes."""
+
+    def learn(self, info: TypeInfo) -> bool:
+        """Take the type from a publisher; False if it is not what is known or asked for."""
+        ...
+
+    def publish(self, message: bytes, latched_by: str | None = None) -> None:
+        """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
+        ...
+
+
+class Transport(Protocol):
+    """A middleware, seen from the guard."""
+
+    def now(self) -> int:
+        """Return the time of a steady clock, ns."""
+        ...
+
+    def call_at(self, when: int, callback: Callable[[], None]) -> None:
+        """Call back once at `when` (ns)."""
+        ...
+
+    def advertise(
+        self, node: str, topic: str, type: str, *, queue_size: int = 100, await_first: bool = False
+    ) -> Output:
+        """Publish `topic` as `node`.
+
+        `queue_size` bounds what waits for a slow subscriber. With `await_first`, what is said
+        before the first subscriber comes waits a moment for it.
+        """
+        ...
+
+    def subscribe(self, node: str, topic: str, type: str, connect: Connect) -> None:
+        """Subscribe `topic` as `node`; never hears what this transport publishes."""
+        ...
+
+    def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
+        """Show two nodes of the guard as connected by `topic`; what passes goes inside."""
+        ...

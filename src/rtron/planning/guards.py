@@ -1,0 +1,142 @@
+"""The coordination nodes that an app has once: RSRCN and MSRCN, and the fps_monitors of the RSRCN.
+
+Both take Block with no bit set. They enforce where a GRCN already enforces one of their topics, so
+the flow is closed anyway; then they guard the topics that may be enforced by themselves. Otherwise
+they observe all that they know.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import count
+
+from rtron.planning.derive import node_id, with_distinct_ids
+from rtron.planning.form import NODE
+from rtron.planning.site import Site
+from rtron.vocabulary import (
+    MSRCN,
+    RSRCN,
+    Flow,
+    FpsMonitor,
+    GuardedTopic,
+    Mode,
+    PolicyName,
+    Risk,
+    RiskKind,
+    Role,
+    WatchedFlow,
+    normalise_type,
+    without_stamp,
+)
+
+_IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
+_VELOCITY = "geometry_msgs/Twist"
+_Guarded = tuple[Mode, tuple[GuardedTopic, ...]]
+
+
+def fps_monitors(site: Site) -> tuple[FpsMonitor, ...]:
+    """Return a monitor for each image node, on the topic that it publishes for every frame."""
+    return with_distinct_ids(
+        FpsMonitor(id=node_id("fps", node), node=node, topic=_per_frame(site, risk, node))
+        for risk in site.risks(Role.IMAGE)
+        for node in filter(NODE.fits, risk.role_nodes[Role.IMAGE])
+        if any(map(site.can_guard, risk.topics))
+    )
+
+
+def propose_rsrcn(
+    site: Site, monitors: Iterable[FpsMonitor], enforced: Collection[str]
+) -> RSRCN | None:
+    """Return the RSRCN, if a robot-specific risk asks for it.
+
+    It stands before those who obey the maximal velocity; in an app that sets none, before those
+    who obey the velocity itself.
+    """
+    if not any(risk.kind is RiskKind.RSR for risk in site.report.risks):
+        return None
+    limits = _obeyed(site, Role.MAX_VEL)
+    velocities = [topic for topic in _obeyed(site, Role.ACTION) if _is_velocity(site, topic)]
+    mode, vflows = _guarded(site, limits or velocities, enforced, "vflow")
+    return RSRCN(
+        id="rsrcn",
+        mode=mode,
+        policy=PolicyName.BLOCK,
+        vflows=vflows,
+        iflows=_watched("iflow", ((monitor.topic, monitor.node) for monitor in monitors)),
+    )
+
+
+def propose_msrcn(site: Site, enforced: Collection[str]) -> MSRCN | None:
+    """Return the MSRCN, if a mission-specific risk asks for it.
+
+    Events are also what image nodes tell and the app acts on: they are nodes of Perception (paper
+    section 4.3), even where neither type nor name of the topic says so.
+    """
+    if not any(risk.kind is RiskKind.MSR for risk in site.report.risks):
+        return None
+    mode, aflows = _guarded(site, _obeyed(site, Role.ACTION), enforced, "aflow")
+    return MSRCN(
+        id="msrcn",
+        mode=mode,
+        policy=PolicyName.BLOCK,
+        aflows=aflows,
+        eflows=_watched("eflow", dict.fromkeys((*_events(site), *_recognitions(site)))),
+    )
+
+
+def _per_frame(site: Site, risk: Risk, node: str) -> str:
+    """Return a topic with an image of each frame; the recognition itself if there is none."""
+    published = sorted(filter(site.can_guard, {e.topic for e in site.graph.published_by(node)}))
+    images = [topic for topic in published if _is_image(site, topic)]
+    best = [topic for topic in risk.topics if topic in images]
+    return next(topic for topic in (*best, *images, *risk.topics) if site.can_guard(topic))
+
+
+def _obeyed(site: Site, role: Role) -> list[str]:
+    topics = {topic for risk in site.risks(role) for topic in risk.topics}
+    return sorted(topic for topic in topics if site.can_guard(topic) and site.successors(topic))
+
+
+def _is_velocity(site: Site, topic: str) -> bool:
+    return without_stamp(normalise_type(site.type_of(topic))) == _VELOCITY
+
+
+def _is_image(site: Site, topic: str) -> bool:
+    return normalise_type(site.type_of(topic)) in _IMAGES
+
+
+def _events(site: Site) -> Iterator[tuple[str, str]]:
+    for risk in site.risks(Role.EVENT):
+        for topic in filter(site.can_guard, risk.topics):
+            nodes = filter(NODE.fits, risk.role_nodes[Role.EVENT])
+            yield from ((topic, node) for node in nodes)
+
+
+def _recognitions(site: Site) -> Iterator[tuple[str, str]]:
+    for risk in site.risks(Role.IMAGE):
+        for topic in filter(site.can_guard, risk.topics):
+            if site.successors(topic) and not _is_image(site, topic):
+                nodes = filter(NODE.fits, risk.role_nodes[Role.IMAGE])
+                yield from ((topic, node) for node in nodes)
+
+
+def _watched(prefix: str, flows: Iterable[tuple[str, str]]) -> tuple[WatchedFlow, ...]:
+    return tuple(
+        WatchedFlow(name=f"{prefix}{number}", topic=topic, publisher=node)
+        for number, (topic, node) in enumerate(flows, start=1)
+    )
+
+
+def _guarded(site: Site, topics: Sequence[str], enforced: Collection[str], prefix: str) -> _Guarded:
+    enforces = any(topic in enforced for topic in topics)
+    kept = filter(site.can_enforce, topics) if enforces else topics
+    names = (f"{prefix}{number}" for number in count(1))
+    guarded = tuple(_guarded_topic(site, topic, names) for topic in kept)
+    return (Mode.ENFORCE if enforces else Mode.OBSERVE), guarded
+
+
+def _guarded_topic(site: Site, topic: str, names: Iterator[str]) -> GuardedTopic:
+    return GuardedTopic(
+        topic=topic,
+        type=site.type_of(topic),
+        flows=tuple(Flow(name=next(names), publisher=n) for n in site.publishers(topic)),
+        successors=site.successors(topic),
+    )

@@ -1,0 +1,36 @@
+"""How the guard joins the launch, so that roslaunch starts it with no package to be found.
+
+roslaunch looks a node's executable up in the packages it knows itself, whatever `<env>` the node
+has. So the guard is a `launch-prefix` of a node that is installed wherever roslaunch is, rosout;
+the prefix does not run what it prefixes.
+"""
+
+import shlex
+from collections.abc import Sequence
+
+GUARD_NODE = "rtron_guard"
+SCRIPT = "guard"
+PLAN = "rtron.yaml"
+
+
+def guard_element(folder: str) -> tuple[str, ...]:
+    """Return the lines that start the guard's script in `folder`, beside the launch file.
+
+    Standing first and in the root namespace, it inherits no remap, parameter or machine.
+    """
+    prefix = f"""launch-prefix='"$(dirname)/{folder}/{SCRIPT}"'"""
+    return (
+        f"<!-- The guard. rosout is only the package that roslaunch always finds: {SCRIPT} does",
+        "     not run it. -->",
+        f'<node pkg="rosout" type="rosout" name="{GUARD_NODE}" ns="/" {prefix}',
+        '      respawn="true" output="screen"/>',
+    )
+
+
+def guard_script(command: Sequence[str]) -> str:
+    """Return the script that runs the guard in place of the command it is given."""
+    return (
+        "#!/bin/sh\n"
+        "# A launch-prefix: the command behind it is not run.\n"
+        f'exec {shlex.join(command)} --plan "${{0%/*}}/{PLAN}"\n'
+    )

@@ -1,0 +1,75 @@
+"""Plan + launch -> guarded launch (paper section 5.1, Coordination Node Deployment)."""
+
+import re
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.planning.instrument.copies import Copies
+from rtron.planning.instrument.findings import Findings
+from rtron.planning.instrument.guard_files import (
+    GUARD_NODE,
+    PLAN,
+    SCRIPT,
+    guard_element,
+    guard_script,
+)
+from rtron.planning.instrument.instrumented import Instrumented, Unenforceable
+from rtron.planning.instrument.wiring import enforced_streams, wire
+from rtron.vocabulary import LaunchTree, Plan
+
+GUARD_COMMAND = (sys.executable, "-m", "rtron", "guard")
+
+_UNQUOTABLE = re.compile(r"""["'&<>$\\\x00-\x1f]""")
+
+
+def instrument(
+    tree: LaunchTree,
+    plan: Plan,
+    out: Path,
+    *,
+    plan_text: str,
+    command: Sequence[str] = GUARD_COMMAND,
+) -> Instrumented:
+    """Return the guarded launch: the app's own launch, plus remaps, plus the guard.
+
+    `out` is its launch file; what else it needs lies in a folder beside it. `plan_text` is the
+    plan as the guard is to read it, `command` what runs the guard. Nothing is written. Raise
+    InputError if `out` cannot be that file, or if a file of the launch cannot be changed.
+    """
+    out = out.absolute()
+    folder = out.with_suffix(".d")
+    _check_out(tree, out, folder)
+    enforced = enforced_streams(plan)
+    wiring = wire(tree, enforced)
+    findings = Findings(tree, enforced, wiring)
+    copies = Copies(wiring)
+    root = copies.root(tree.root, folder.name, guard_element(folder.name))
+    beside = {**copies.texts, SCRIPT: guard_script(command), PLAN: plan_text}
+    return Instrumented(
+        launch=out,
+        folder=folder,
+        files={**{folder / name: text for name, text in beside.items()}, out: root},
+        remaps=tuple(p for placed in wiring.values() for p in placed if p.placeable),
+        unenforceable=tuple(_judged(open_end, plan) for open_end in findings.unenforceable()),
+        notes=tuple(dict.fromkeys(findings.notes())),
+    )
+
+
+def _judged(open_end: Unenforceable, plan: Plan) -> Unenforceable:
+    return replace(open_end, accepted=open_end.what in plan.accept_unenforceable)
+
+
+def _check_out(tree: LaunchTree, out: Path, folder: Path) -> None:
+    if folder == out or _UNQUOTABLE.search(str(out)):
+        help = "choose a name such as guarded.launch, in a folder of plain name"
+        raise InputError("cannot be the guarded launch file", path=str(out), help=help)
+    for path in (Path(file.path).resolve() for file in tree.root.walk()):
+        if path == out.resolve() or folder.resolve() in path.parents:
+            help = "write the guarded launch to another place"
+            raise InputError("would be overwritten", path=str(path), help=help)
+    if any(node.name == f"/{GUARD_NODE}" for node in tree.nodes()):
+        help = "instrument the app's own launch file"
+        raise InputError("starts a guard already", path=tree.root.path, help=help)

@@ -1,0 +1,50 @@
+"""Which publisher goes first until the developer says otherwise.
+
+Your own nodes go before nodes of unknown origin, and these before third parties' nodes: a name
+proves nothing, the place of a package does. Among equals go first the nodes that plan or track a
+path or serve an action, then those that work from what they hear, then teleoperation and nodes that
+only speak (a keyboard), and tools that show things last. What remains equal goes by name.
+"""
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+from rtron.vocabulary import FunctionType, InteractionGraph, Node, Trust
+
+_TRUST = {Trust.OWN: 0, Trust.UNKNOWN: 1, Trust.THIRD_PARTY: 2}
+_NAVIGATES, _WORKS, _SPEAKS, _SHOWS = range(4)
+_FUNCTIONS = {
+    FunctionType.PATH_PLANNING: _NAVIGATES,
+    FunctionType.GOAL_PLANNER: _NAVIGATES,
+    FunctionType.PATH_TRACKING: _NAVIGATES,
+    FunctionType.TELEOPERATION: _SPEAKS,
+    FunctionType.VISUALIZATION: _SHOWS,
+}
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Orders nodes of a graph; `servers` and `viewers` are the nodes that serve actions or show."""
+
+    graph: InteractionGraph
+    servers: Collection[str]
+    viewers: Collection[str]
+    nodes: dict[str, Node]
+
+    def ordered(self, names: Iterable[str]) -> list[str]:
+        """Return the nodes, the one that goes first at the front."""
+        return sorted(names, key=self._rank)
+
+    def _rank(self, name: str) -> tuple[int, int, str]:
+        node = self.nodes.get(name, Node(name=name))
+        return _TRUST[node.trust], self._calling(node), name
+
+    def _calling(self, node: Node) -> int:
+        if node.function in _FUNCTIONS:
+            return _FUNCTIONS[node.function]
+        if node.name in self.viewers:
+            return _SHOWS
+        if node.name in self.servers:
+            return _NAVIGATES
+        heard = (e for e in self.graph.subscribed_by(node.name) if not e.implicit)
+        return _WORKS if any(heard) else _SPEAKS

@@ -1,0 +1,97 @@
+"""The app that a plan is made for: a graph and its risks, with the answers that planning needs."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from rtron.planning.actions import action_servers, action_topics, topics_of
+from rtron.planning.form import NODE, TOPIC, TYPE
+from rtron.planning.priorities import Ranking
+from rtron.vocabulary import (
+    Domain,
+    InteractionGraph,
+    Risk,
+    RiskReport,
+    Role,
+    Sharing,
+    TopicClass,
+)
+
+
+@dataclass(frozen=True)
+class Site:
+    """A graph and the report on it."""
+
+    graph: InteractionGraph
+    report: RiskReport
+
+    @cached_property
+    def viewers(self) -> frozenset[str]:
+        """The nodes that only record or show what they subscribe."""
+        return frozenset(self.report.viewers)
+
+    @cached_property
+    def actions(self) -> frozenset[str]:
+        """The topics that belong to an action."""
+        return action_topics(self.graph)
+
+    @cached_property
+    def servers(self) -> dict[str, tuple[str, ...]]:
+        """The nodes that serve actions."""
+        return action_servers(self.graph)
+
+    @cached_property
+    def topics(self) -> frozenset[str]:
+        """The topics of the graph."""
+        return topics_of(self.graph)
+
+    def risks(self, role: Role) -> Iterator[Risk]:
+        """Yield the risks in which nodes play a role."""
+        return (risk for risk in self.report.risks if role in risk.role_nodes)
+
+    def publishers(self, topic: str) -> list[str]:
+        """Return the nodes that publish a topic, the one that goes first at the front."""
+        nodes = {e.node for e in self.graph.publishers(topic)}
+        return self._ranking.ordered(filter(NODE.fits, nodes))
+
+    def successors(self, topic: str) -> tuple[str, ...]:
+        """Return the nodes that the output goes to.
+
+        A viewer gets it on the public name, unless it publishes the topic too: a remap then moves
+        both its ends.
+        """
+        bystanders = self.viewers.difference(self.publishers(topic))
+        nodes = {e.node for e in self.graph.subscribers(topic)} - bystanders
+        return tuple(sorted(filter(NODE.fits, nodes)))
+
+    def type_of(self, topic: str) -> str:
+        """Return the type that the publishers use, or else the subscribers."""
+        ends = (*self.graph.publishers(topic), *self.graph.subscribers(topic))
+        return next((e.type for e in ends if TYPE.fits(e.type) and e.type), "")
+
+    def classify(self, topic: str) -> TopicClass:
+        """Return what the report says that a topic is for."""
+        return self.report.topic_classes.get(topic, TopicClass())
+
+    def can_guard(self, topic: str) -> bool:
+        """Tell whether a topic is one of the graph and its name is wholly known."""
+        return topic in self.topics and TOPIC.fits(topic)
+
+    def can_enforce(self, topic: str) -> bool:
+        """Tell whether standing in a topic's flow is a sound default.
+
+        Only contending topics of Planning and Control; not one topic of an action without the
+        others; and only where nodes are known to publish and to listen, each by its whole name,
+        since whom the plan does not name is stopped.
+        """
+        found = self.classify(topic)
+        moves = found.domain in (Domain.PLANNING, Domain.CONTROL)
+        if not moves or found.sharing is Sharing.MERGE or topic in self.actions:
+            return False
+        named = all(NODE.fits(e.node) for e in self.graph.publishers(topic))
+        return named and bool(self.publishers(topic) and self.successors(topic))
+
+    @cached_property
+    def _ranking(self) -> Ranking:
+        nodes = {node.name: node for node in self.graph.nodes}
+        return Ranking(self.graph, self.servers, self.viewers, nodes)

@@ -1,0 +1,110 @@
+"""Block: drops the messages of blocked flows and passes all others.
+
+## What it does
+
+Every flow has a block bit. While it is set, the flow's messages are dropped; the messages of all
+other flows of the plan pass at once, in any order. A publisher that the plan does not name is
+dropped too.
+
+## When to use it
+
+- In a GRCN: to stop what a node does, at once, in an emergency.
+- In an RSRCN: to keep a node from setting the maximal velocity.
+- In an MSRCN: to forbid an action under the conditions of a rule.
+
+## Settings
+
+| setting | of | meaning |
+|---|---|---|
+| `block` | each flow | the flow's messages are dropped |
+
+## States
+
+Block remembers nothing: it has one state.
+
+## Example
+
+>>> from rtron.policies import build
+>>> from rtron.vocabulary import Flow, PolicyName, PolicySettings, StreamKind
+>>> policy = build(PolicySettings(
+...     policy=PolicyName.BLOCK,
+...     kind=StreamKind.COMMAND,
+...     flows=(
+...         Flow(name="flow1", publisher="/move_base"),
+...         Flow(name="flow2", publisher="/teleop", block=True),
+...     ),
+... ))
+>>> policy.verdict("flow1", "forward", now=0).reason
+'flow1 is not blocked'
+>>> policy.verdict("flow2", "left", now=0).reason
+'flow2 is blocked'
+"""
+
+from collections.abc import Sequence
+
+from rtron.policies.answers import Answers, Gate
+from rtron.policies.machine import Effect, Machine, Named, Table
+from rtron.policies.policy import Release
+from rtron.vocabulary import Decision, PolicySettings, Verdict
+
+
+class State(Named):
+    """The state of Block."""
+
+    WATCHING = "bits are looked up"
+
+
+class Input(Named):
+    """What happens to Block."""
+
+    ALLOWED = "a message of a flow whose block bit is 0"
+    REFUSED = "a message of a blocked or unknown flow"
+
+
+TABLE: Table[State, Input] = {
+    (State.WATCHING, Input.ALLOWED): (State.WATCHING, Effect.PASS),
+    (State.WATCHING, Input.REFUSED): (State.WATCHING, Effect.DROP),
+}
+
+
+class Block:
+    """A block bit for each flow."""
+
+    __slots__ = ("_gate", "_machine", "_passed")
+
+    def __init__(self, settings: PolicySettings) -> None:
+        self._gate = Gate(settings)
+        self._machine = Machine(TABLE, State.WATCHING)
+        answers = Answers(settings, Decision.PASS)
+        self._passed = {
+            name: answers.once(name, f"{name} is not blocked") for name in self._gate.flows
+        }
+
+    def verdict(self, flow: str, message: object, now: int) -> Verdict:  # noqa: ARG002
+        """Pass the message unless its flow is blocked or unknown."""
+        passed = self._passed.get(flow)
+        if passed is None:
+            self._machine.step(Input.REFUSED)
+            return self._gate.refusal(flow)
+        self._machine.step(Input.ALLOWED)
+        return passed
+
+    def observe_done(self, now: int) -> None:
+        """Nothing is in progress here."""
+
+    def tick(self, now: int) -> Sequence[Release]:  # noqa: ARG002
+        """Nothing is ever held."""
+        return ()
+
+    def close(self) -> Sequence[Release]:
+        """Nothing is ever held."""
+        return ()
+
+    def deadline(self) -> int | None:
+        """Time changes nothing."""
+        return None
+
+    @property
+    def owner(self) -> str | None:
+        """Nobody: the flows share the output."""
+        return None

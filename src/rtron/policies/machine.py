@@ -1,0 +1,51 @@
+"""A policy's states and transitions as one table; nothing outside the table changes the state."""
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import Generic, TypeVar
+
+
+class Named(Enum):
+    """A state, an input or an effect; its value says what it means."""
+
+    # Enum hashes by name, in Python code; tables are read for every message.
+    __hash__ = object.__hash__
+
+
+class Effect(Named):
+    """What a transition does besides changing the state."""
+
+    PASS = "the message passes"  # noqa: S105 (no password)
+    HOLD = "the message waits"
+    DROP = "the message is dropped"
+    LET_GO = "the next waiting message goes"
+    NOTHING = "nothing"
+    NEVER = "cannot arise"
+
+
+State = TypeVar("State", bound=Named)
+Input = TypeVar("Input", bound=Named)
+Table = Mapping[tuple[State, Input], tuple[State, Effect]]
+
+
+class Machine(Generic[State, Input]):
+    """The named state of one policy."""
+
+    __slots__ = ("_state", "_table")
+
+    def __init__(self, table: Table[State, Input], state: State) -> None:
+        self._table = table
+        self._state = state
+
+    @property
+    def state(self) -> State:
+        """The state after the last step."""
+        return self._state
+
+    def step(self, input: Input) -> Effect:
+        """Make the transition that the table gives for `input`; return its effect."""
+        state, effect = self._table[self._state, input]
+        if effect is Effect.NEVER:
+            raise AssertionError(f"{input.name} cannot arise in {self._state.name}")
+        self._state = state
+        return effect

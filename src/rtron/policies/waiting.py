@@ -1,0 +1,87 @@
+"""The messages that wait: the next one first, and the oldest one first."""
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
+from itertools import count
+
+from rtron.vocabulary import Flow
+
+_CHOSEN = float("-inf")
+_SPARE = 16
+
+
+@dataclass(slots=True, eq=False)
+class Held:
+    """A message that waits since `arrived` (ns), the arrival of its freshest content."""
+
+    flow: Flow
+    message: object
+    arrived: int
+
+
+class Waiting:
+    """Held messages in the order of `rank` (least first), then of arrival.
+
+    Each operation takes O(log n) amortised: what was removed stays in the heap until it comes to
+    the top, or until it makes up half of the heap.
+    """
+
+    __slots__ = ("_by_age", "_heap", "_latest", "_number", "_rank")
+
+    def __init__(self, rank: Callable[[Flow], int]) -> None:
+        self._rank = rank
+        self._number = count()
+        self._heap: list[tuple[float, int, Held]] = []
+        self._by_age: OrderedDict[Held, None] = OrderedDict()
+        self._latest: dict[str, Held] = {}
+
+    def __len__(self) -> int:
+        return len(self._by_age)
+
+    def add(self, flow: Flow, message: object, now: int) -> None:
+        """Hold a message that arrived at `now`."""
+        held = Held(flow, message, now)
+        self._by_age[held] = None
+        self._latest[flow.name] = held
+        heappush(self._heap, (self._rank(flow), next(self._number), held))
+
+    def refresh(self, held: Held, message: object, now: int) -> None:
+        """Put a newer message of the same flow in the place of an older one."""
+        held.message = message
+        held.arrived = now
+        self._by_age.move_to_end(held)
+
+    def latest(self, flow: str) -> Held | None:
+        """Return the message of `flow` that arrived last, if it still waits."""
+        return self._latest.get(flow)
+
+    def first(self) -> Held | None:
+        """Return the message that goes next."""
+        heap = self._heap
+        while heap:
+            held = heap[0][2]
+            if held in self._by_age:
+                return held
+            heappop(heap)
+        return None
+
+    def choose(self) -> None:
+        """Settle that the one which goes next now will go next whatever arrives."""
+        if self.first():
+            _, number, held = self._heap[0]
+            self._heap[0] = (_CHOSEN, number, held)
+
+    def oldest(self) -> Held | None:
+        """Return the message that arrived first."""
+        return next(iter(self._by_age), None)
+
+    def remove(self, held: Held) -> None:
+        """Let a message leave."""
+        del self._by_age[held]
+        if self._latest.get(held.flow.name) is held:
+            del self._latest[held.flow.name]
+        if len(self._heap) > 2 * len(self._by_age) + _SPARE:
+            self._heap = [entry for entry in self._heap if entry[2] in self._by_age]
+            heapify(self._heap)

@@ -1,0 +1,65 @@
+"""The risks as JSON, schema `rtron.risks/1`."""
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+from rtron.vocabulary import (
+    RISKS_SCHEMA,
+    CoordinationCount,
+    Domain,
+    Evidence,
+    Risk,
+    RiskKind,
+    RiskReport,
+)
+
+_ALWAYS_COUNTED = (Domain.PERCEPTION, Domain.PLANNING, Domain.CONTROL)
+
+
+def risks_to_json(report: RiskReport) -> dict[str, Any]:
+    """Return the report as a JSON document; counts of zero stand, except of the lesser domains."""
+    kinds = Counter(risk.kind for risk in report.risks)
+    return {
+        "schema": RISKS_SCHEMA,
+        "app": report.app,
+        "risks": [_risk(risk) for risk in report.risks],
+        "summary": {kind.value: kinds[kind] for kind in RiskKind},
+        "coordination_nodes": _coordination(report.coordination_nodes),
+        "not_run": dict(report.not_run),
+    }
+
+
+def _risk(risk: Risk) -> dict[str, Any]:
+    return {
+        "id": risk.id,
+        "kind": risk.kind.value,
+        "rule": risk.rule,
+        "role_nodes": {role.value: list(nodes) for role, nodes in risk.role_nodes.items()},
+        "topics": list(risk.topics),
+        "message_type": risk.message_type,
+        "successors": list(risk.successors),
+        "domain": risk.domain.value,
+        "severity": risk.severity.value,
+        "reason": risk.reason,
+        "one_to_one": risk.one_to_one,
+        "evidence": [_evidence(evidence) for evidence in risk.evidence],
+    }
+
+
+def _evidence(evidence: Evidence) -> dict[str, Any]:
+    return {"file": evidence.file, "line": evidence.line}
+
+
+def _coordination(count: CoordinationCount) -> dict[str, Any]:
+    return {
+        "GRCN": _by_domain(count.grcn),
+        "fps_monitor": count.fps_monitor,
+        "RSRCN": count.rsrcn,
+        "MSRCN": count.msrcn,
+    }
+
+
+def _by_domain(numbers: Mapping[Domain, int]) -> dict[str, int]:
+    shown = [domain for domain in Domain if domain in _ALWAYS_COUNTED or numbers.get(domain)]
+    return {domain.value: numbers.get(domain, 0) for domain in shown}

@@ -1,0 +1,84 @@
+"""Several nodes publish one topic.
+
+## What it finds
+
+A topic with more than one publisher and at least one node that acts on it (general risk with a
+single topic, paper section 4.1; Algorithm 1, lines 1 to 3). The high-risk nodes are all its
+publishers; a node that only records or shows (rviz, rosbag, rqt) is no successor, but counts as a
+publisher. Topics for logs and visualisation are left out.
+
+## Why it is a risk
+
+The successors hear one voice and cannot tell who spoke. Whoever publishes last decides: one node
+that is wrong, hijacked or malicious can override the others, as a keyboard that floods `/cmd_vel`
+does while the robot follows a path.
+
+## Remedy
+
+Put a GRCN between the publishers and the successors. For velocities choose Preemption, so that one
+publisher at a time drives; for goals FIFO_Queue or Priority_Queue, so that a new goal waits for
+the one in progress. Where each publisher owns a part of the topic, like the frames of `/tf`,
+observe it and block whom you do not know.
+
+## Example
+
+`/move_base` and `/teleop_twist_keyboard` publish `/cmd_vel`, which `/gazebo` obeys.
+"""
+
+from collections.abc import Iterator
+
+from rtron.risks.facts import Facts, TopicFacts, evidence_of
+from rtron.risks.rule import Need, Rule
+from rtron.risks.severity import contends_for_robot, severity_of
+from rtron.risks.wording import all_of, listed, verb
+from rtron.vocabulary import Risk, RiskKind, Role, Sharing, TopicClass
+
+
+def check(facts: Facts) -> Iterator[Risk]:
+    """Yield a risk for each topic with several publishers and a successor."""
+    for topic in map(facts.topic, facts.published):
+        if len(topic.publishers) > 1 and topic.successors and not _ignored(facts, topic):
+            yield _risk(facts, topic)
+
+
+def _ignored(facts: Facts, topic: TopicFacts) -> bool:
+    ignores_type = facts.lists.ignores_type
+    return facts.lists.ignores_topic(topic.name) or any(map(ignores_type, topic.types))
+
+
+def _risk(facts: Facts, topic: TopicFacts) -> Risk:
+    topic_class = facts.classify(topic.name)
+    moves = contends_for_robot(topic_class)
+    return Risk(
+        id=f"GR-ST:{topic.name}",
+        kind=RiskKind.GR_ST,
+        rule=RULE.name,
+        role_nodes={Role.PUBLISHER: topic.publishers},
+        topics=(topic.name,),
+        message_type=topic.type,
+        successors=topic.successors,
+        domain=topic_class.domain,
+        severity=severity_of(moves=moves, own=topic.own, reaches=True),
+        reason=_reason(topic, topic_class),
+        evidence=evidence_of(facts.graph.publishers(topic.name)),
+    )
+
+
+def _reason(topic: TopicFacts, topic_class: TopicClass) -> str:
+    told = f"{listed(topic.publishers)} {all_of(topic.publishers)} publish {topic.name}"
+    successors = listed(topic.successors)
+    if topic_class.sharing is Sharing.MERGE:
+        return f"{told}: each could overwrite what the others tell {successors}"
+    return f"{told}: {successors} {verb(topic.successors, 'follow')} whoever spoke last"
+
+
+RULE = Rule(
+    name="gr_st",
+    kind=RiskKind.GR_ST,
+    title="General risk with a single topic",
+    severity="high where an untrusted node contends for a topic of Planning or Control, "
+    "else medium; one step milder when all publishers are your own",
+    needs=(Need.PUBLISHERS, Need.SUBSCRIBERS),
+    since="0.1.0",
+    check=check,
+)

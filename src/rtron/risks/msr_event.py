@@ -1,0 +1,82 @@
+"""Nodes tell what happens around the robot.
+
+## What it finds
+
+A topic whose message type is an event (battery, temperature, position and others: EVENT_MSG_TYPE),
+or with `detect` in its name (mission-specific risk, paper section 4.3; Algorithm 1, lines 6 to 8).
+The high-risk nodes are its publishers. Those whose function is known to be Preprocessing are left
+out, as the paper's text does.
+
+## Why it is a risk
+
+The rules of a mission speak of events: while somebody sleeps, do not clean; at a red light, stop.
+A node that invents an event, or keeps one to itself, makes the robot break the rule without any
+other node being at fault.
+
+## Remedy
+
+An MSRCN that listens to the event and blocks the actions which the rule forbids while it lasts.
+Choose for each rule what silence means: where the event must not be missed, silence blocks too.
+
+## Example
+
+`/gazebo` publishes `/odom` of type `nav_msgs/Odometry`: where the robot is.
+"""
+
+from collections.abc import Iterator
+
+from rtron.risks.facts import Facts, TopicFacts, evidence_of
+from rtron.risks.rule import Need, Rule
+from rtron.risks.severity import severity_of
+from rtron.risks.wording import listed, verb
+from rtron.vocabulary import FunctionType, Risk, RiskKind, Role
+
+
+def check(facts: Facts) -> Iterator[Risk]:
+    """Yield a risk for each topic that tells an event."""
+    preprocessing = _preprocessing(facts)
+    for topic in map(facts.topic, facts.published):
+        if _is_event(facts, topic):
+            nodes = tuple(node for node in topic.publishers if node not in preprocessing)
+            if nodes:
+                yield _risk(facts, topic, nodes)
+
+
+def _is_event(facts: Facts, topic: TopicFacts) -> bool:
+    named = any(word in topic.name for word in facts.lists.event_topic_name)
+    return named or any(map(facts.lists.is_event, topic.types))
+
+
+def _preprocessing(facts: Facts) -> frozenset[str]:
+    nodes = facts.graph.nodes
+    return frozenset(n.name for n in nodes if n.function is FunctionType.PREPROCESSING)
+
+
+def _risk(facts: Facts, topic: TopicFacts, nodes: tuple[str, ...]) -> Risk:
+    told, telling = facts.graph.publishers(topic.name), frozenset(nodes)
+    return Risk(
+        id=f"MSR-event:{topic.name}",
+        kind=RiskKind.MSR,
+        rule=RULE.name,
+        role_nodes={Role.EVENT: nodes},
+        topics=(topic.name,),
+        message_type=topic.type,
+        successors=topic.successors,
+        domain=facts.classify(topic.name).domain,
+        severity=severity_of(moves=False, own=facts.own(nodes), reaches=bool(topic.successors)),
+        reason=f"{listed(nodes)} {verb(nodes, 'tell')} on {topic.name} what happens: a rule that "
+        f"relies on it is as good as {listed(nodes)}",
+        evidence=evidence_of(e for e in told if e.node in telling),
+    )
+
+
+RULE = Rule(
+    name="msr_event",
+    kind=RiskKind.MSR,
+    title="Mission-specific risk of an event",
+    severity="medium where a publisher is untrusted, low where all are your own or no node acts "
+    "on the event",
+    needs=(Need.PUBLISHERS, Need.TYPES),
+    since="0.1.0",
+    check=check,
+)

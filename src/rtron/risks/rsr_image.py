@@ -1,0 +1,81 @@
+"""A node recognises things in images.
+
+## What it finds
+
+A node that subscribes `sensor_msgs/Image` (or `CompressedImage`) and publishes a topic named like
+a recognition: `detect`, `people`, `face`, `object` and others (robot-specific risk, paper section
+4.2; Algorithm 1, lines 17 to 22, RECOG_TOPIC_NAME). The high-risk node is the node itself.
+
+## Why it is a risk
+
+A robot must not drive faster than it can see. How fast it may drive depends on how many frames a
+second this node works through; if it slows down, by fault or on purpose, a speed that was safe no
+longer is, although nothing else has changed.
+
+## Remedy
+
+An fps_monitor that measures how fast the node works, and an RSRCN that keeps the maximal velocity
+below what this rate allows (Safe), or below a limit that the user sets (Constrain).
+
+## Example
+
+`/detect_sign` subscribes `/camera/image_compensated` and publishes `/detect/traffic_sign`.
+"""
+
+from collections.abc import Iterator
+
+from rtron.risks.facts import NAMED, Facts, evidence_of
+from rtron.risks.rule import Need, Rule
+from rtron.risks.severity import severity_of
+from rtron.risks.wording import listed
+from rtron.vocabulary import Endpoint, Risk, RiskKind, Role
+
+
+def check(facts: Facts) -> Iterator[Risk]:
+    """Yield a risk for each node that takes images and tells what it recognises."""
+    for node in facts.subscribing:
+        images = [e for e in facts.graph.subscribed_by(node) if _is_image(facts, e)]
+        told = _recognitions(facts, node) if images else ()
+        if told:
+            yield _risk(facts, images, told)
+
+
+def _is_image(facts: Facts, endpoint: Endpoint) -> bool:
+    return facts.lists.is_image(facts.type_of(endpoint))
+
+
+def _recognitions(facts: Facts, node: str) -> tuple[str, ...]:
+    topics = {endpoint.topic for endpoint in facts.graph.published_by(node)}
+    words = facts.lists.recog_topic_name
+    return tuple(sorted(topic for topic in topics if any(word in topic for word in words)))
+
+
+def _risk(facts: Facts, images: list[Endpoint], told: tuple[str, ...]) -> Risk:
+    node = images[0].node
+    successors = tuple(sorted({n for topic in told for n in facts.topic(topic).successors[:NAMED]}))
+    return Risk(
+        id=f"RSR-image:{node}",
+        kind=RiskKind.RSR,
+        rule=RULE.name,
+        role_nodes={Role.IMAGE: (node,)},
+        topics=told,
+        message_type=facts.type_of(images[0]),
+        successors=successors,
+        domain=facts.classify(told[0]).domain,
+        severity=severity_of(moves=False, own=facts.own([node]), reaches=bool(successors)),
+        reason=f"{node} recognises what is on {listed(sorted({e.topic for e in images}))} and "
+        f"tells it on {listed(told)}: if it slows down, the robot outruns its eyes",
+        evidence=evidence_of(images),
+    )
+
+
+RULE = Rule(
+    name="rsr_image",
+    kind=RiskKind.RSR,
+    title="Robot-specific risk of an image node",
+    severity="medium where the node is untrusted, low where it is your own or no node acts on "
+    "what it tells",
+    needs=(Need.PUBLISHERS, Need.SUBSCRIBERS, Need.TYPES),
+    since="0.1.0",
+    check=check,
+)

@@ -1,0 +1,68 @@
+"""A node sets the maximal velocity.
+
+## What it finds
+
+A topic of type `std_msgs/Float64` with `max_vel` in its name (robot-specific risk, paper section
+4.2; Algorithm 1, lines 4 and 5). The high-risk nodes are its publishers.
+
+## Why it is a risk
+
+Whoever raises the maximal velocity makes the robot faster than its recognition can follow: between
+two frames it then drives further than it has seen. The nodes that do the driving are sound and
+cannot notice.
+
+## Remedy
+
+An RSRCN between these publishers and the nodes that obey them: Safe ties the limit to the measured
+frame rate, Constrain holds it below a value that the user chooses, Block takes the say from one
+publisher.
+
+## Example
+
+`/detect_parking` publishes `/control/max_vel`, which `/control_lane` obeys.
+"""
+
+from collections.abc import Iterator
+
+from rtron.risks.facts import Facts, TopicFacts, evidence_of
+from rtron.risks.rule import Need, Rule
+from rtron.risks.severity import severity_of
+from rtron.risks.wording import listed, verb
+from rtron.vocabulary import Risk, RiskKind, Role
+
+
+def check(facts: Facts) -> Iterator[Risk]:
+    """Yield a risk for each published topic that sets the maximal velocity."""
+    for topic in map(facts.topic, facts.published):
+        if any(facts.lists.is_max_vel(name, topic.name) for name in topic.types):
+            yield _risk(facts, topic)
+
+
+def _risk(facts: Facts, topic: TopicFacts) -> Risk:
+    publishers, successors = topic.publishers, topic.successors
+    return Risk(
+        id=f"RSR-max_vel:{topic.name}",
+        kind=RiskKind.RSR,
+        rule=RULE.name,
+        role_nodes={Role.MAX_VEL: publishers},
+        topics=(topic.name,),
+        message_type=topic.type,
+        successors=successors,
+        domain=facts.classify(topic.name).domain,
+        severity=severity_of(moves=True, own=topic.own, reaches=bool(successors)),
+        reason=f"{listed(publishers)} {verb(publishers, 'set')} on {topic.name} how fast "
+        f"{listed(successors, 'nobody so far')} may drive, whatever the cameras can follow",
+        evidence=evidence_of(facts.graph.publishers(topic.name)),
+    )
+
+
+RULE = Rule(
+    name="rsr_max_vel",
+    kind=RiskKind.RSR,
+    title="Robot-specific risk of a maximal velocity",
+    severity="high where a publisher is untrusted, medium where all are your own; low while no "
+    "node obeys",
+    needs=(Need.PUBLISHERS, Need.TYPES),
+    since="0.1.0",
+    check=check,
+)

@@ -1,0 +1,29 @@
+"""How severe a risk is: what it can reach, and whether a node that could do it is untrusted.
+
+| what is at stake                                             | untrusted | all own |
+|--------------------------------------------------------------|-----------|---------|
+| GR on a contending topic of Planning or Control              | high      | medium  |
+| RSR max_vel, MSR action                                      | high      | medium  |
+| GR elsewhere or where publishers merge, RSR image, MSR event | medium    | low     |
+| any of these, while no node of the app acts on it            | low       | low     |
+
+A node is untrusted unless its package is the user's own (paper section 2.3: third-party nodes are
+the attackers; section 4.1: a general risk needs at least one untrusted node).
+"""
+
+from rtron.vocabulary import Domain, Severity, Sharing, TopicClass
+
+
+def severity_of(*, moves: bool, own: bool, reaches: bool) -> Severity:
+    """Return a severity: `moves` the robot at once, by `own` nodes only, `reaches` a successor."""
+    if not reaches:
+        return Severity.LOW
+    if moves:
+        return Severity.MEDIUM if own else Severity.HIGH
+    return Severity.LOW if own else Severity.MEDIUM
+
+
+def contends_for_robot(topic: TopicClass) -> bool:
+    """Tell whether publishers of a topic take turns in planning for or controlling the robot."""
+    moves = topic.domain in (Domain.PLANNING, Domain.CONTROL)
+    return moves and topic.sharing is Sharing.CONTEND

@@ -1,0 +1,119 @@
+"""The InteractionGraph as JSON, schema `rtron.graph/1`: read from a file, and written."""
+
+from codecs import BOM_UTF8
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, FailFast, Field, TypeAdapter, ValidationError, with_config
+
+from rtron.sources.bounded import read_bounded
+from rtron.sources.graph_fault import fault_in
+from rtron.vocabulary import (
+    Action,
+    Endpoint,
+    InteractionGraph,
+    Node,
+    Service,
+    Topic,
+    Unresolved,
+)
+
+MAX_BYTES = 512 * 1024 * 1024
+
+
+@with_config(ConfigDict(extra="forbid", strict=True))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GraphDocument:
+    """The JSON document of an interaction graph, its keys as they are written."""
+
+    schema: Literal["rtron.graph/1"]
+    app: str = ""
+    ros: Annotated[int, Field(ge=1, le=2)] = 1
+    nodes: Annotated[tuple[Node, ...], FailFast()] = ()
+    topics: Annotated[tuple[Topic, ...], FailFast()] = ()
+    endpoints: Annotated[tuple[Endpoint, ...], FailFast()] = ()
+    services: Annotated[tuple[Service, ...], FailFast()] = ()
+    actions: Annotated[tuple[Action, ...], FailFast()] = ()
+    unresolved: Annotated[tuple[Unresolved, ...], FailFast()] = ()
+
+
+_DOCUMENT = TypeAdapter(GraphDocument)
+
+
+@dataclass(frozen=True, slots=True)
+class GraphFile:
+    """A Source that reads a graph from a JSON file; the path `-` is standard input."""
+
+    path: Path
+
+    def read(self) -> InteractionGraph:
+        """Return the graph in the file."""
+        return read_graph(self.path)
+
+
+def read_graph(path: Path) -> InteractionGraph:
+    """Read a graph from a file (`-` is standard input); raise InputError where it is wrong.
+
+    Nodes and topics that only the endpoints, services or actions name are added.
+    """
+    data = read_bounded(path, MAX_BYTES).removeprefix(BOM_UTF8)
+    try:
+        return _graph(_DOCUMENT.validate_json(data))
+    except ValidationError as error:
+        raise fault_in(error, str(path)) from None
+
+
+def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
+    """Return the graph as a JSON document; what is not known (`qos`, `domain`) is left out."""
+    document = GraphDocument(
+        schema="rtron.graph/1",
+        app=graph.app,
+        ros=graph.ros,
+        nodes=graph.nodes,
+        topics=graph.topics,
+        endpoints=graph.endpoints,
+        services=graph.services,
+        actions=graph.actions,
+        unresolved=graph.unresolved,
+    )
+    json: dict[str, Any] = _DOCUMENT.dump_python(document, mode="json", exclude_none=True)
+    return json
+
+
+def graph_json_schema() -> dict[str, Any]:
+    """Return the JSON Schema of the document."""
+    return _DOCUMENT.json_schema() | {"title": "rtron.graph/1"}
+
+
+def _graph(document: GraphDocument) -> InteractionGraph:
+    return InteractionGraph(
+        app=document.app,
+        ros=document.ros,
+        nodes=document.nodes + _implied_nodes(document),
+        topics=document.topics + _implied_topics(document),
+        endpoints=document.endpoints,
+        services=document.services,
+        actions=document.actions,
+        unresolved=document.unresolved,
+    )
+
+
+def _implied_nodes(document: GraphDocument) -> tuple[Node, ...]:
+    listed = {node.name for node in document.nodes}
+    users: tuple[Endpoint | Service | Action, ...] = (
+        *document.endpoints,
+        *document.services,
+        *document.actions,
+    )
+    named = dict.fromkeys(user.node for user in users)
+    return tuple(Node(name=name) for name in named if name not in listed)
+
+
+def _implied_topics(document: GraphDocument) -> tuple[Topic, ...]:
+    listed = {topic.name for topic in document.topics}
+    types: dict[str, dict[str, None]] = {}
+    for endpoint in document.endpoints:
+        if endpoint.topic not in listed:
+            types.setdefault(endpoint.topic, {})[endpoint.type] = None
+    return tuple(Topic(name=name, types=tuple(filter(None, t))) for name, t in types.items())

@@ -1,0 +1,52 @@
+import json
+
+import pytest
+
+from rtron.cli.pages import names
+from rtron.policies import POLICIES
+from rtron.risks import RULES
+
+
+def test_every_rule_and_policy_is_listed_and_explained(rtron):
+    listed = rtron("explain").out
+    assert names() == [*(rule.name for rule in RULES), *map(str, POLICIES)]
+    for name in names():
+        assert f"\n  {name} " in listed
+        ran = rtron("explain", name)
+        assert ran.code == 0
+        assert ran.out.startswith("# ")
+
+
+@pytest.mark.parametrize(
+    ("name", "titles"),
+    [
+        ("GR-ST", ["# General risk with a single topic"]),
+        ("gr-st", ["# General risk with a single topic"]),
+        ("preemption", ["# Preemption"]),
+        ("Priority-Queue", ["# Priority_Queue"]),
+        ("MSR-event:/odom", ["# Mission-specific risk of an event"]),
+        ("MSR", ["# Mission-specific risk of an event", "# Mission-specific risk of an action"]),
+    ],
+)
+def test_names_are_taken_as_reports_write_them(rtron, name, titles):
+    out = rtron("explain", name).out
+    assert [row for row in out.splitlines() if row.startswith("# ")] == titles
+
+
+def test_an_unknown_name_is_2_with_the_nearest(rtron):
+    ran = rtron("explain", "MSR-evnt")
+    assert (ran.code, ran.out) == (2, "")
+    assert "did you mean msr_event?" in ran.err
+    assert "`rtron explain` lists all" in rtron("explain", "x" * 1000).err
+
+
+def test_a_terminal_gets_it_laid_out(rtron, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert "# General" not in rtron("explain", "gr_st").out
+
+
+@pytest.mark.parametrize("document", ["plan", "graph"])
+def test_schemas_are_json(rtron, document):
+    schema = json.loads(rtron("schema", document).out)
+    assert schema["title"] == f"rtron.{document}/1"
+    assert schema["additionalProperties"] is False

@@ -1,0 +1,94 @@
+import json
+
+import pytest
+
+LAUNCH = """\
+<launch>
+  <arg name="rate"/>
+  <node pkg="teleop" type="keyboard" name="keyboard" args="$(arg rate)"/>
+  <node pkg="nav" type="planner" name="planner"/>
+  <node pkg="base" type="base" name="base"/>
+</launch>
+"""
+
+
+@pytest.fixture
+def launch_file(tmp_path):
+    path = tmp_path / "app.launch"
+    path.write_text(LAUNCH)
+    return path
+
+
+@pytest.fixture
+def instrument(rtron, plan_file, launch_file, tmp_path):
+    """Instrument the launch file for the plan and return what was said."""
+    out = tmp_path / "guarded.launch"
+
+    def run(*arguments):
+        return rtron("instrument", launch_file, "--plan", plan_file, "-o", out, *arguments)
+
+    return run
+
+
+def test_remaps_are_shown_by_node(instrument, tmp_path):
+    ran = instrument("rate:=9")
+    assert (ran.code, ran.err) == (0, "")
+    assert "/base\n  /cmd_vel  to  /rtron/cmd_vel/out\n" in ran.out
+    assert "Unenforceable" not in ran.out
+    assert ran.out.endswith(f"roslaunch {tmp_path}/guarded.launch\n")
+    assert "rtron_guard" in (tmp_path / "guarded.launch").read_text()
+
+
+def test_json(instrument, tmp_path):
+    document = json.loads(instrument("rate:=9", "--format", "json").out)
+    assert document["schema"] == "rtron.instrumented/1"
+    assert document["launch"] == f"{tmp_path}/guarded.launch"
+    assert document["launch"] in document["files"]
+    assert document["unenforceable"] == []
+    assert {
+        "node": "/base",
+        "topic": "/cmd_vel",
+        "written": "/cmd_vel",
+        "target": "/rtron/cmd_vel/out",
+    } in document["remaps"]
+
+
+def test_what_cannot_be_enforced_is_1_until_it_is_accepted(instrument, launch_file, plan_file):
+    launch_file.write_text(LAUNCH.replace('  <node pkg="base" type="base" name="base"/>\n', ""))
+    ran = instrument("rate:=9")
+    assert ran.code == 1
+    assert "Unenforceable (1)\n  /base\n" in ran.out
+    assert "accept_unenforceable" in ran.out
+    plan_file.write_text(plan_file.read_text() + "accept_unenforceable: [/base]\n")
+    ran = instrument("rate:=9")
+    assert ran.code == 0
+    assert "Accepted (1)\n  /base\n" in ran.out
+
+
+def test_an_argument_that_is_missing_or_of_another_form_is_2(instrument, tmp_path):
+    assert "rate:=" in instrument().err
+    ran = instrument("rate=9")
+    assert ran.code == 2
+    assert "what is 'rate=9'?" in ran.err
+    assert instrument(":=9").code == 2
+    assert not (tmp_path / "guarded.launch").exists()
+
+
+def test_packages_are_looked_for_where_they_are_said_to_be(instrument, launch_file, tmp_path):
+    package = tmp_path / "ws" / "mine"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>mine</name></package>")
+    (package / "app.launch").write_text(LAUNCH)
+    launch_file.write_text(
+        '<launch><include file="$(find mine)/app.launch">'
+        '<arg name="rate" value="9"/></include></launch>'
+    )
+    assert instrument("--packages", tmp_path / "ws").code == 0
+    assert instrument().code == 1
+
+
+def test_no_launch_and_no_plan_are_2(rtron, plan_file, launch_file, tmp_path):
+    out = tmp_path / "out.launch"
+    assert rtron("instrument", tmp_path / "none", "--plan", plan_file, "-o", out).code == 2
+    assert rtron("instrument", launch_file, "--plan", tmp_path / "none", "-o", out).code == 2
+    assert rtron("instrument", launch_file).code == 2

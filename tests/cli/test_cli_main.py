@@ -1,0 +1,113 @@
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from rtron import __version__
+from rtron.cli.main import COMMANDS
+from rtron.sources.graph_json import GraphFile
+
+MODULE = (sys.executable, "-m", "rtron")
+
+
+def run(*arguments, **keys):
+    """Run the real command; it is cut off from this terminal's settings."""
+    environment = {"PATH": os.environ["PATH"], "LANG": "C.UTF-8"} | keys.pop("env", {})
+    command = [*MODULE, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, env=environment, check=False, **keys)
+
+
+def test_the_module_is_the_command(graph_file):
+    ran = run("scan", graph_file, "--format", "json")
+    assert (ran.returncode, ran.stderr) == (1, b"")
+    assert json.loads(ran.stdout)["schema"] == "rtron.risks/1"
+
+
+def test_a_pipe_gets_80_columns_and_no_colour(graph_file):
+    ran = run("scan", graph_file, env={"TERM": "xterm-256color"})
+    assert b"\x1b" not in ran.stdout
+    assert max(map(len, ran.stdout.decode().splitlines()[3:-3])) <= 80
+
+
+def test_a_pipe_that_takes_ascii_only_gets_it(graph_file):
+    ran = run("scan", graph_file, env={"PYTHONIOENCODING": "ascii"})
+    assert ran.returncode == 1
+    assert b"/keyboard (third party) -+-> /cmd_vel ---> /base" in ran.stdout
+    graph_file.write_text(graph_file.read_text().replace("/base", "/b\u00e4se"))
+    assert b"/b\\xe4se" in run("scan", graph_file, env={"PYTHONIOENCODING": "ascii"}).stdout
+
+
+def test_a_pipe_that_closes_early_is_no_error(graph_file):
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "wb") as closed:
+        ran = subprocess.run([*MODULE, "scan", graph_file], stdout=closed, stderr=-1, check=False)
+    assert (ran.returncode, ran.stderr) == (1, b"")
+
+
+def test_a_full_disk_is_2(graph_file):
+    with open("/dev/full", "wb") as full:  # noqa: PTH123 - a device
+        ran = subprocess.run([*MODULE, "scan", graph_file], stdout=full, stderr=-1, check=False)
+    assert ran.returncode == 2
+    assert b"error: standard output: No space left on device" in ran.stderr
+    assert b"Traceback" not in ran.stderr
+
+
+def test_a_graph_from_standard_input(graph_file):
+    assert run("scan", "-", input=graph_file.read_bytes()).returncode == 1
+    assert run("scan", "-", input=b"\xff").returncode == 2
+
+
+def test_ctrl_c_is_130(rtron, graph_file, monkeypatch):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(GraphFile, "read", interrupted)
+    ran = rtron("scan", graph_file)
+    assert (ran.code, ran.out, ran.err) == (130, "", "")
+
+
+def test_the_version(rtron):
+    assert rtron("--version").out == f"rtron {__version__}\n"
+
+
+def test_help_names_every_command_and_shows_an_example_of_each(rtron):
+    text = rtron("--help").out
+    for command in COMMANDS:
+        name = command.__name__
+        assert name in text
+        page = rtron(name, "-h")
+        assert page.code == 0
+        assert f"$ rtron {name}" in page.out
+        assert max(map(len, page.out.splitlines())) <= 80
+
+
+def test_examples_in_help_are_commands_that_exist(rtron):
+    options = {
+        word.split("=")[0]
+        for command in COMMANDS
+        for row in command.__doc__.splitlines()
+        if row.strip().startswith("$ rtron")
+        for word in row.split("|")[0].split(">")[0].split()
+        if word.startswith("--")
+    }
+    pages = "".join(rtron(command.__name__, "--help").out for command in COMMANDS)
+    assert {option for option in options if option not in pages} == set()
+
+
+def test_no_arguments_show_the_help(rtron):
+    ran = rtron()
+    assert ran.code == 2
+    assert "Usage: rtron" in ran.out + ran.err
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [("rtron sc", b"scan"), ("rtron explain gr", b"gr_st"), ("rtron explain Pre", b"Preemption")],
+)
+def test_completion(words, offered):
+    variables = {"_RTRON_COMPLETE": "complete_bash", "COMP_WORDS": words}
+    variables["COMP_CWORD"] = str(len(words.split()) - 1)
+    assert offered in run(env=variables).stdout

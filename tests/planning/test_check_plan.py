@@ -1,0 +1,138 @@
+"""A plan is held against its app: each thing that does not fit is told with what would."""
+
+from dataclasses import replace
+
+import pytest
+from home import HOME
+
+from rtron.planning import Level, check_plan, propose_plan
+from rtron.risks import discover
+from rtron.vocabulary import FpsMonitor, InteractionGraph, Mode, WatchedFlow
+
+PLAN = propose_plan(HOME, discover(HOME))
+CMD_VEL = PLAN.grcn[0]
+
+
+def told(plan) -> list[str]:
+    return [str(problem) for problem in check_plan(plan, HOME)]
+
+
+def with_grcn(**changes):
+    return replace(PLAN, grcn=(replace(CMD_VEL, **changes), *PLAN.grcn[1:]))
+
+
+def with_first_flow(**changes):
+    first, *others = CMD_VEL.flows
+    return with_grcn(flows=(replace(first, **changes), *others))
+
+
+def test_a_plan_that_fits_has_no_problem():
+    assert check_plan(PLAN, HOME) == ()
+
+
+def test_an_unknown_topic_names_the_nearest():
+    assert told(with_grcn(topic="/cmd_val")) == [
+        "error: GRCN grcn_cmd_vel: no topic /cmd_val in the app: did you mean /cmd_vel?"
+    ]
+
+
+def test_a_topic_like_none_of_very_many():
+    assert told(with_grcn(topic="/zzzzzzz"))[0].endswith("none of the 125 is like it")
+
+
+def test_an_unknown_publisher_names_the_nearest():
+    assert told(with_first_flow(publisher="/move_bas"))[0] == (
+        "error: GRCN grcn_cmd_vel, flow1: no node /move_bas in the app: did you mean /move_base?"
+    )
+
+
+def test_a_flow_that_nobody_publishes():
+    assert told(with_first_flow(publisher="/gazebo"))[0] == (
+        "error: GRCN grcn_cmd_vel, flow1: /gazebo does not publish /cmd_vel: "
+        "/move_base, /teleop_twist_keyboard does"
+    )
+
+
+def test_a_publisher_that_no_flow_names_counts_as_unapproved():
+    assert told(with_grcn(flows=CMD_VEL.flows[:1])) == [
+        (
+            "warning: GRCN grcn_cmd_vel: no flow names /teleop_twist_keyboard, which publishes "
+            "/cmd_vel: it counts as unapproved"
+        )
+    ]
+
+
+def test_a_pattern_names_every_node_that_it_matches():
+    flow = replace(CMD_VEL.flows[0], publisher="/*")
+    assert told(with_grcn(flows=(flow,))) == []
+
+
+@pytest.mark.parametrize(
+    ("successor", "fault"),
+    [
+        ("/gazeb", "no node /gazeb in the app: did you mean /gazebo"),
+        ("/rviz", "does not subscribe"),
+    ],
+)
+def test_a_successor_that_does_not_listen(successor, fault):
+    assert any(fault in text for text in told(with_grcn(successors=("/gazebo", successor))))
+
+
+def test_a_subscriber_that_the_plan_forgets_hears_the_public_name():
+    assert told(with_grcn(successors=())) == [
+        (
+            "warning: GRCN grcn_cmd_vel: /gazebo is no successor: it hears the public /cmd_vel, where "
+            "anyone can speak"
+        )
+    ]
+    assert told(with_grcn(successors=(), mode=Mode.OBSERVE)) == []
+
+
+def test_a_private_topic_would_feed_the_guard_with_its_own_output():
+    problems = check_plan(with_grcn(topic="/rtron/cmd_vel/out"), HOME)
+    assert [problem.level for problem in problems] == [Level.ERROR]
+    assert "would come back to it" in problems[0].message
+
+
+def test_the_end_of_an_action_must_be_a_topic_of_the_app():
+    assert told(with_grcn(done="/move_base/resul")) == [
+        (
+            "error: GRCN grcn_cmd_vel, done: no topic /move_base/resul in the app: "
+            "did you mean /move_base/result?"
+        )
+    ]
+
+
+def test_one_topic_of_an_action_should_not_be_enforced_alone():
+    cancel = next(grcn for grcn in PLAN.grcn if grcn.topic == "/move_base/cancel")
+    (problem,) = check_plan(replace(PLAN, grcn=(replace(cancel, mode=Mode.ENFORCE),)), HOME)
+    assert problem.level is Level.WARNING
+    assert "one topic of an action" in problem.message
+
+
+def test_what_is_only_watched_is_checked_too():
+    eflow = WatchedFlow(name="eflow1", topic="/odo", publisher="/gazebo")
+    silent = WatchedFlow(name="eflow2", topic="/odom", publisher="/rviz")
+    plan = replace(PLAN, msrcn=replace(PLAN.msrcn, eflows=(eflow, silent)))
+    assert told(plan) == [
+        "error: MSRCN, eflow1: no topic /odo in the app: did you mean /odom?",
+        "error: MSRCN, eflow2: /rviz does not publish /odom: /gazebo does",
+    ]
+    monitor = FpsMonitor(id="fps", node="/find_object_3", topic="/objects")
+    assert told(replace(PLAN, fps_monitor=(monitor,))) == [
+        "error: fps_monitor fps: no node /find_object_3 in the app: did you mean /find_object_3d?"
+    ]
+
+
+def test_guarded_topics_are_checked_like_those_of_a_grcn():
+    topic = replace(PLAN.rsrcn.vflows[0], topic="/cmd_vell")
+    plan = replace(PLAN, rsrcn=replace(PLAN.rsrcn, vflows=(topic,)))
+    assert told(plan) == [
+        "error: RSRCN on /cmd_vell: no topic /cmd_vell in the app: did you mean /cmd_vel?"
+    ]
+
+
+def test_nothing_fits_an_empty_app():
+    assert all(
+        "the graph has none" in p.message for p in check_plan(PLAN, InteractionGraph(app=""))
+    )

@@ -1,0 +1,80 @@
+"""Whatever the file holds, the reader gives a plan or a PlanError, and a proposal is a plan."""
+
+import contextlib
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rtron.errors import PlanError
+from rtron.planning import check_plan, left_out, parse_plan, propose_plan, write_plan
+from rtron.risks import discover
+from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node, Trust
+
+WHOLE = """\
+schema: rtron.plan/1
+app: home
+grcn:
+  - topic: /cmd_vel
+    mode: enforce
+    policy: Preemption
+    max_age: 0.5 s
+    flows:
+      - {name: flow1, publisher: /move_base, priority: 2}
+      - {name: flow2, publisher: /teleop, priority: 1, timeout: 200 ms}
+    successors: [/gazebo]
+fps_monitor: [{node: /a, topic: /b}]
+"""
+pieces = st.sampled_from([*"\n :-[]{},&*!|>'\"%@#?\t0aé\x00", "  ", "- ", ": ", "<<: ", "null"])
+edits = st.lists(st.tuples(st.integers(0, len(WHOLE)), st.integers(0, 5), pieces), max_size=6)
+names = st.sampled_from(["/a", "/b", "/a/b", "/a_b", "/rviz", "", "{x}/y", "/a b", "*", "/*", "/é"])
+graphs = st.builds(
+    InteractionGraph,
+    app=st.text(),
+    nodes=st.lists(
+        st.builds(
+            Node, name=names, package=st.sampled_from(["rviz", ""]), trust=st.sampled_from(Trust)
+        ),
+        unique_by=lambda node: node.name,
+        max_size=4,
+    ).map(tuple),
+    endpoints=st.lists(
+        st.builds(
+            Endpoint,
+            node=names.filter(lambda name: "*" not in name),
+            topic=names | st.sampled_from(["/cmd_vel", "/x/goal", "/detect", "/max_vel", "/tf"]),
+            type=st.sampled_from(
+                ["geometry_msgs/Twist", "std_msgs/Float64", "sensor_msgs/Image", "", "*", "é/x"]
+            ),
+            direction=st.sampled_from(Direction),
+        ),
+        max_size=20,
+    ).map(tuple),
+)
+
+
+@given(edits)
+def test_a_damaged_plan_is_a_plan_or_a_plan_error(damage):
+    text = WHOLE
+    for place, cut, piece in damage:
+        text = text[:place] + piece + text[place + cut :]
+    with contextlib.suppress(PlanError):
+        plan = parse_plan(text)
+        assert parse_plan(write_plan(plan)) == plan
+
+
+@given(st.text())
+def test_any_text_is_a_plan_or_a_plan_error(text):
+    with contextlib.suppress(PlanError):
+        parse_plan(text)
+
+
+@given(graphs)
+def test_what_is_proposed_for_any_graph_can_be_read_and_fits_it(graph):
+    report = discover(graph)
+    plan = propose_plan(graph, report)
+    assert parse_plan(write_plan(plan)) == plan
+    warned = {problem.where for problem in left_out(graph, report)}
+    for problem in check_plan(plan, graph):
+        assert problem.level.value == "warning"
+        named = any(f"names {name}, which" in problem.message for name in warned)
+        assert named or "no successor" in problem.message

@@ -1,0 +1,303 @@
+"""The plan that risks ask for: its modes, policies, priorities and ends."""
+
+from dataclasses import replace
+
+import pytest
+from autorace import AUTORACE
+from home import HOME
+from notation import graph_of
+
+from rtron.planning import check_plan, left_out, propose_plan
+from rtron.risks import discover
+from rtron.vocabulary import (
+    GRCN,
+    SECOND,
+    Action,
+    ActionRole,
+    Direction,
+    Domain,
+    Endpoint,
+    Flow,
+    FpsMonitor,
+    FunctionType,
+    Mode,
+    Node,
+    Plan,
+    PolicyName,
+    RiskReport,
+    Sharing,
+    StreamKind,
+    Trust,
+    streams,
+)
+
+
+def plan_of(graph) -> Plan:
+    return propose_plan(graph, discover(graph))
+
+
+def grcn_of(plan: Plan, topic: str) -> GRCN:
+    return next(grcn for grcn in plan.grcn if grcn.topic == topic)
+
+
+def shared(topic: str, message_type: str, publishers: str = "/a a own,/b b own") -> str:
+    nodes = (f"{node}\n pub {topic} {message_type}\n" for node in publishers.split(","))
+    return "".join(nodes) + f"/s driver own\n sub {topic} {message_type}\n"
+
+
+HOME_PLAN = plan_of(HOME)
+AUTORACE_PLAN = plan_of(AUTORACE)
+
+
+class TestHome:
+    def test_has_the_twelve_grcns_of_the_paper(self):
+        domains = [grcn.domain for grcn in HOME_PLAN.grcn]
+        counted = {domain: domains.count(domain) for domain in set(domains)}
+        assert counted == {Domain.PERCEPTION: 8, Domain.PLANNING: 3, Domain.CONTROL: 1}
+
+    def test_navigation_drives_before_the_keyboard(self):
+        grcn = grcn_of(HOME_PLAN, "/cmd_vel")
+        assert (grcn.mode, grcn.policy) == (Mode.ENFORCE, PolicyName.PREEMPTION)
+        assert grcn.flows == (
+            Flow(name="flow1", publisher="/move_base", priority=2),
+            Flow(name="flow2", publisher="/teleop_twist_keyboard", priority=1),
+        )
+        assert grcn.successors == ("/gazebo",)
+        assert grcn.kind is StreamKind.COMMAND
+
+    def test_a_goal_of_the_users_own_node_goes_before_that_of_rviz(self):
+        grcn = grcn_of(HOME_PLAN, "/move_base_simple/goal")
+        assert (grcn.mode, grcn.policy) == (Mode.ENFORCE, PolicyName.PRIORITY_QUEUE)
+        assert [flow.publisher for flow in grcn.flows] == ["/search_manager", "/rviz"]
+        assert grcn.done == "/move_base/result"
+        assert grcn.max_age == 60 * SECOND
+
+    def test_a_viewer_that_publishes_too_is_remapped_at_both_ends(self):
+        assert grcn_of(HOME_PLAN, "/move_base_simple/goal").successors == ("/move_base", "/rviz")
+        assert "/rviz" not in grcn_of(HOME_PLAN, "/camera/rgb/image_raw").successors
+        assert "/rviz" not in grcn_of(HOME_PLAN, "/tf").successors
+
+    @pytest.mark.parametrize("part", ["goal", "cancel", "status"])
+    def test_one_topic_of_an_action_is_only_observed(self, part):
+        assert grcn_of(HOME_PLAN, f"/move_base/{part}").mode is Mode.OBSERVE
+
+    def test_cancels_never_wait(self):
+        assert grcn_of(HOME_PLAN, "/move_base/cancel").policy is PolicyName.BLOCK
+
+    def test_perception_is_observed(self):
+        seen = [grcn for grcn in HOME_PLAN.grcn if grcn.domain is Domain.PERCEPTION]
+        assert {(grcn.mode, grcn.policy) for grcn in seen} == {(Mode.OBSERVE, PolicyName.BLOCK)}
+        assert grcn_of(HOME_PLAN, "/tf").sharing is Sharing.MERGE
+
+    def test_a_node_that_hears_itself_is_publisher_and_successor(self):
+        grcn = grcn_of(HOME_PLAN, "/move_base/local_costmap/footprint")
+        assert [flow.publisher for flow in grcn.flows] == ["/move_base"]
+        assert grcn.successors == ("/move_base",)
+        assert grcn.type == "geometry_msgs/PolygonStamped"
+
+    def test_the_rsrcn_stands_before_the_velocity_as_there_is_no_limit_to_it(self):
+        rsrcn = HOME_PLAN.rsrcn
+        assert (rsrcn.mode, rsrcn.policy) == (Mode.ENFORCE, PolicyName.BLOCK)
+        assert [topic.topic for topic in rsrcn.vflows] == ["/cmd_vel"]
+        assert [(flow.topic, flow.publisher) for flow in rsrcn.iflows] == [
+            ("/objects", "/find_object_3d"),
+            ("/person_detector/detections", "/person_detector"),
+        ]
+
+    def test_the_msrcn_knows_the_three_events_and_both_actions_of_the_paper(self):
+        msrcn = HOME_PLAN.msrcn
+        events = {flow.topic for flow in msrcn.eflows}
+        assert events == {"/objects", "/person_detector/detections", "/odom"}
+        actions = {topic.topic for topic in msrcn.aflows}
+        assert actions == {"/cmd_vel", "/rosbot_audio/audio", "/move_base_simple/goal"}
+        assert msrcn.mode is Mode.ENFORCE
+        names = [flow.name for topic in msrcn.aflows for flow in topic.flows]
+        assert names == [f"aflow{number}" for number in range(1, 6)]
+
+    def test_an_image_node_without_debug_image_is_timed_by_what_it_recognises(self):
+        assert HOME_PLAN.fps_monitor == (
+            FpsMonitor(id="fps_find_object_3d", node="/find_object_3d", topic="/objects"),
+            FpsMonitor(
+                id="fps_person_detector",
+                node="/person_detector",
+                topic="/person_detector/detections",
+            ),
+        )
+
+
+class TestAutoRace:
+    def test_the_limit_to_the_velocity_is_enforced(self):
+        assert grcn_of(AUTORACE_PLAN, "/control/max_vel").mode is Mode.ENFORCE
+        assert AUTORACE_PLAN.rsrcn.mode is Mode.ENFORCE
+        assert [topic.topic for topic in AUTORACE_PLAN.rsrcn.vflows] == ["/control/max_vel"]
+
+    def test_image_nodes_are_timed_by_the_image_that_they_publish_for_every_frame(self):
+        topics = {monitor.node: monitor.topic for monitor in AUTORACE_PLAN.fps_monitor}
+        assert topics["/detect_sign"] == "/detect/image_traffic_sign/compressed"
+        assert topics["/detect_level"] == "/detect/image_level"
+        assert len(topics) == 5
+
+    def test_own_nodes_drive_before_those_of_others(self):
+        flows = grcn_of(AUTORACE_PLAN, "/cmd_vel").flows
+        assert [flow.publisher for flow in flows][-1] == "/move_base"
+
+    def test_where_nobody_publishes_only_strangers_can_so_it_is_observed(self):
+        grcn = grcn_of(AUTORACE_PLAN, "/control/level_crossing_finished")
+        assert (grcn.mode, grcn.flows) == (Mode.OBSERVE, ())
+
+    def test_a_state_with_one_publisher_never_waits(self):
+        grcn = grcn_of(AUTORACE_PLAN, "/core/decided_mode")
+        assert (grcn.mode, grcn.policy) == (Mode.ENFORCE, PolicyName.BLOCK)
+
+
+@pytest.mark.parametrize(("graph", "plan"), [(HOME, HOME_PLAN), (AUTORACE, AUTORACE_PLAN)])
+class TestEveryProposal:
+    def test_fits_its_app(self, graph, plan):
+        assert check_plan(plan, graph) == ()
+        assert left_out(graph, discover(graph)) == ()
+
+    def test_gives_each_flow_a_priority_of_its_own(self, graph, plan):
+        for grcn in plan.grcn:
+            priorities = [flow.priority for flow in grcn.flows]
+            assert priorities == list(range(len(priorities), 0, -1))
+
+    def test_merges_into_one_stream_a_topic_and_mode(self, graph, plan):
+        made = streams(plan)
+        assert len({(stream.topic, stream.mode) for stream in made}) == len(made)
+
+    def test_ids_are_words_of_their_own(self, graph, plan):
+        ids = [grcn.id for grcn in plan.grcn] + [monitor.id for monitor in plan.fps_monitor]
+        assert len(set(ids)) == len(ids)
+
+
+class TestOrder:
+    def test_trust_comes_first(self):
+        publishers = "/a x third_party,/b x unknown,/c x own"
+        grcn = plan_of(graph_of("app", shared("/cmd_vel", "geometry_msgs/Twist", publishers))).grcn[
+            0
+        ]
+        assert [flow.publisher for flow in grcn.flows] == ["/c", "/b", "/a"]
+
+    def test_a_name_proves_nothing(self):
+        publishers = "/safe_control x third_party,/anything x unknown"
+        grcn = plan_of(graph_of("app", shared("/cmd_vel", "geometry_msgs/Twist", publishers))).grcn[
+            0
+        ]
+        assert grcn.flows[0].publisher == "/anything"
+
+    def test_then_what_a_node_does(self):
+        names = ("a_teleop", "b_shows", "c_speaks", "d_works", "e_plans", "f_serves")
+        text = shared(
+            "/cmd_vel",
+            "geometry_msgs/Twist",
+            ",".join(f"/{name} x own" for name in names),
+        )
+        text += "/d_works x own\n sub /scan p/T\n/f_serves x own\n server /drive p/Drive\n"
+        graph = graph_of("app", text)
+        functions = {
+            "/a_teleop": FunctionType.TELEOPERATION,
+            "/b_shows": FunctionType.VISUALIZATION,
+            "/e_plans": FunctionType.PATH_PLANNING,
+        }
+        nodes = tuple(replace(n, function=functions.get(n.name)) for n in graph.nodes)
+        flows = grcn_of(plan_of(replace(graph, nodes=nodes)), "/cmd_vel").flows
+        order = [flow.publisher for flow in flows]
+        assert order == ["/e_plans", "/f_serves", "/d_works", "/a_teleop", "/c_speaks", "/b_shows"]
+
+    def test_a_node_that_the_graph_does_not_list_is_unknown(self):
+        graph = graph_of(
+            "app", shared("/cmd_vel", "geometry_msgs/Twist", "/a x own,/b x third_party")
+        )
+        known = tuple(node for node in graph.nodes if node.name != "/b")
+        other = Node(name="/a", trust=Trust.THIRD_PARTY)
+        flows = plan_of(replace(graph, nodes=(other, *known[1:]))).grcn[0].flows
+        assert [flow.publisher for flow in flows] == ["/b", "/a"]
+
+
+class TestQueues:
+    def test_a_goal_without_a_known_end_counts_as_done_after_a_while(self):
+        grcn = plan_of(graph_of("app", shared("/goal", "geometry_msgs/PoseStamped"))).grcn[0]
+        assert grcn.done is None
+        assert {flow.timeout for flow in grcn.flows} == {10 * SECOND}
+
+    def test_the_end_is_the_result_of_the_action_that_the_successor_serves(self):
+        text = (
+            shared("/my/goal", "geometry_msgs/PoseStamped") + "/s driver own\n server /drive p/D\n"
+        )
+        assert grcn_of(plan_of(graph_of("app", text)), "/my/goal").done == "/drive/result"
+
+    def test_a_state_of_planning_waits_no_longer_than_half_a_second(self):
+        grcn = plan_of(graph_of("app", shared("/robot_mode", "std_msgs/UInt8"))).grcn[0]
+        assert grcn.policy is PolicyName.PRIORITY_QUEUE
+        assert {flow.timeout for flow in grcn.flows} == {SECOND // 2}
+
+
+class TestGuards:
+    def test_without_risks_there_is_nothing_to_guard(self):
+        assert plan_of(graph_of("quiet", "/a a own\n pub /x p/T\n")) == Plan(app="quiet")
+
+    def test_where_no_grcn_enforces_the_msrcn_observes_all_it_knows(self):
+        text = (
+            "/a a own\n pub /cmd_vel geometry_msgs/Twist\n client /move p/Move\n"
+            "/b b own\n sub /cmd_vel geometry_msgs/Twist\n server /move p/Move\n"
+        )
+        msrcn = plan_of(graph_of("app", text)).msrcn
+        assert msrcn.mode is Mode.OBSERVE
+        assert [topic.topic for topic in msrcn.aflows] == ["/cmd_vel", "/move/goal"]
+
+    def test_an_enforcing_msrcn_takes_no_single_topic_of_an_action(self):
+        text = shared("/cmd_vel", "geometry_msgs/Twist")
+        text += "/a a own\n client /move p/Move\n/s s own\n server /move p/Move\n"
+        msrcn = plan_of(graph_of("app", text)).msrcn
+        assert msrcn.mode is Mode.ENFORCE
+        assert [topic.topic for topic in msrcn.aflows] == ["/cmd_vel"]
+
+    def test_an_action_is_known_by_its_five_topics_too(self):
+        text = shared("/move/goal", "p/MoveActionGoal")
+        graph = graph_of("app", text + "/s s own\n server /move p/Move\n")
+        ends = tuple(end for end in graph.endpoints if end.topic != "/move/result")
+        assert grcn_of(plan_of(replace(graph, actions=())), "/move/goal").mode is Mode.OBSERVE
+        four = replace(graph, actions=(), topics=(), endpoints=ends)
+        assert grcn_of(plan_of(four), "/move/goal").mode is Mode.ENFORCE
+
+
+class TestNamesWithHoles:
+    def test_a_topic_whose_name_is_not_known_is_left_out_and_told(self):
+        graph = graph_of("app", shared("/x", "geometry_msgs/Twist"))
+        ends = tuple(replace(e, topic="{prefix}/cmd_vel") for e in graph.endpoints)
+        graph = replace(graph, endpoints=ends)
+        assert plan_of(graph).grcn == ()
+        (problem,) = left_out(graph, discover(graph))
+        assert str(problem).startswith("warning: {prefix}/cmd_vel: cannot be guarded")
+
+    def test_a_topic_is_not_enforced_while_a_publisher_cannot_be_named(self):
+        graph = graph_of("app", shared("/cmd_vel", "geometry_msgs/Twist"))
+        more = Endpoint(node="/{ns}/c", topic="/cmd_vel", direction=Direction.PUBLISH)
+        graph = replace(graph, endpoints=(*graph.endpoints, more))
+        grcn = plan_of(graph).grcn[0]
+        assert (grcn.mode, len(grcn.flows)) == (Mode.OBSERVE, 2)
+        assert [problem.where for problem in left_out(graph, discover(graph))] == ["/{ns}/c"]
+
+    def test_an_action_of_ros_2_has_no_topic_for_its_goals(self):
+        side = {"name": "/arm", "type": "control_msgs/action/FollowJointTrajectory"}
+        client = Action(node="/a", role=ActionRole.CLIENT, **side)
+        graph = graph_of("app", shared("/x", "p/T"), ros=2)
+        graph = replace(graph, actions=(client,))
+        plan = plan_of(graph)
+        assert plan.ros == 2
+        assert plan.msrcn.aflows == ()
+        (problem,) = left_out(graph, discover(graph))
+        assert str(problem) == "warning: /arm: cannot be guarded: its goals are no topic"
+
+    def test_names_that_differ_in_slashes_only_have_ids_of_their_own(self):
+        text = shared("/a/cmd_vel", "geometry_msgs/Twist") + shared(
+            "/a_cmd_vel", "geometry_msgs/Twist"
+        )
+        ids = [grcn.id for grcn in plan_of(graph_of("app", text)).grcn]
+        assert ids == ["grcn_a_cmd_vel", "grcn_a_cmd_vel_2"]
+
+
+def test_a_report_without_classes_makes_a_plan_that_only_watches():
+    report = discover(HOME)
+    bare = RiskReport(app="", risks=report.risks, coordination_nodes=report.coordination_nodes)
+    assert {grcn.mode for grcn in propose_plan(HOME, bare).grcn} == {Mode.OBSERVE}

@@ -1,0 +1,196 @@
+"""Launch files that ROS's loader accepts: what is special in each is its name."""
+# ruff: noqa: E501 - XML reads better in one piece
+# fmt: off
+
+from dataclasses import dataclass, field
+
+NODE = '<node pkg="p" type="t" name="{}"/>'
+
+
+@dataclass(frozen=True)
+class Case:
+    name: str
+    body: str
+    files: dict = field(default_factory=dict)
+    args: dict = field(default_factory=dict)
+    environ: dict = field(default_factory=dict)
+
+
+def included(body):
+    return f"<launch>{body}</launch>"
+
+
+CASES = (
+    Case("empty", ""),
+    Case("one node", NODE.format("a")),
+    Case("node in a namespace", '<node pkg="p" type="t" name="a" ns="x/y"/>'),
+    Case("node in a global namespace", '<group ns="g"><node pkg="p" type="t" name="a" ns="/x"/></group>'),
+    Case("groups nest", '<group ns="a"><group ns="b">' + NODE.format("n") + "</group></group>"),
+    Case("global group", '<group ns="a"><group ns="/b">' + NODE.format("n") + "</group></group>"),
+    Case("doubled slashes", '<group ns="a//b/">' + NODE.format("n") + "</group>"),
+    Case("root group", '<group ns="a"><group ns="/">' + NODE.format("n") + "</group></group>"),
+    Case("root namespace from the environment", NODE.format("n"), environ={"ROS_NAMESPACE": "robot"}),
+    Case("group if", '<group if="true">' + NODE.format("a") + '</group><group if="0">' + NODE.format("b") + "</group>"),
+    Case("group unless", '<group unless="1">' + NODE.format("a") + '</group><group unless=" False ">' + NODE.format("b") + "</group>"),
+    Case("node if", '<node pkg="p" type="t" name="a" if="$(arg x)"/>' + NODE.format("b"), args={"x": "false"}),
+    Case("arg default", '<arg name="x" default="d"/>' + NODE.format("$(arg x)")),
+    Case("arg given", '<arg name="x" default="d"/>' + NODE.format("$(arg x)"), args={"x": "g"}),
+    Case("arg empty is not given", '<arg name="x" default="d"/>' + NODE.format("$(arg x)"), args={"x": ""}),
+    Case("arg value", '<arg name="x" value="v"/>' + NODE.format("$(arg x)")),
+    Case("arg undeclared but given", NODE.format("$(arg x)"), args={"x": "g"}),
+    Case("arg without value and unused", '<arg name="x"/>' + NODE.format("a")),
+    Case("arg of an arg", '<arg name="x" default="d"/><arg name="y" default="$(arg x)_$(arg x)"/>' + NODE.format("$(arg y)")),
+    Case("arg if", '<arg name="x" default="1" if="true"/><arg name="x" default="2" unless="true"/>' + NODE.format("n$(arg x)")),
+    Case("arg of a group stays in it", '<arg name="x" default="o"/><group><arg name="y" value="i"/>' + NODE.format("$(arg x)$(arg y)") + "</group>" + NODE.format("$(arg x)")),
+    Case("arg doc", '<arg name="x" default="d" doc="what it is"/>' + NODE.format("$(arg x)")),
+    Case("remap", '<remap from="a" to="b"/>' + NODE.format("n")),
+    Case("remap after the node", NODE.format("n") + '<remap from="a" to="b"/>' + NODE.format("m")),
+    Case("remap in a group", '<group><remap from="a" to="b"/>' + NODE.format("n") + "</group>" + NODE.format("m")),
+    Case("remap replaced", '<remap from="a" to="b"/><remap from="c" to="d"/><remap from="a" to="e"/>' + NODE.format("n")),
+    Case("remap replaced inside", '<remap from="a" to="b"/><remap from="c" to="d"/><group><remap from="a" to="e"/>' + NODE.format("n") + "</group>"),
+    Case("remap at the node", '<remap from="a" to="b"/><node pkg="p" type="t" name="n"><remap from="a" to="c"/><remap from="d" to="e"/></node>' + NODE.format("m")),
+    Case("remap spelled twice", '<remap from="a" to="b"/><remap from="/a" to="c"/>' + NODE.format("n")),
+    Case("remap relative in namespaces", '<remap from="a" to="b"/><group ns="g"><node pkg="p" type="t" name="n" ns="h"/></group>'),
+    Case("remap private", '<node pkg="p" type="t" name="n" ns="g"><remap from="~a" to="b"/><remap from="c" to="~d"/></node>'),
+    Case("remap of a private name by its full one", '<node pkg="p" type="t" name="n"><remap from="/n/a" to="/b"/></node>'),
+    Case("remap if", '<node pkg="p" type="t" name="n"><remap from="a" to="b" if="0"/><remap from="c" to="d" unless="0"/></node>'),
+    Case("remap with arg", '<arg name="t" default="/cmd_vel"/><node pkg="p" type="t" name="n"><remap from="cmd" to="$(arg t)"/></node>'),
+    Case("remap to itself", '<remap from="a" to="a"/>' + NODE.format("n")),
+    Case("remap with doubled slashes", '<remap from="a//b/" to="/c//d/"/>' + NODE.format("n")),
+    Case("remap spelled in capitals at the node", '<node pkg="p" type="t" name="n"><REMAP from="a" to="b"/></node>'),
+    Case("elements in capitals are not known", '<NODE pkg="p" type="t" name="n"/>'),
+    Case("launch below another element", NODE.format("n")),
+    Case("test", '<test pkg="p" type="t" test-name="a"/><test pkg="p" type="t" name="b" test-name="c"/>'),
+    Case("machine and master", '<machine name="m" address="localhost"/>' + NODE.format("n")),
+    Case("params are not nodes", '<param name="x" value="1"/><rosparam>a: 1</rosparam><env name="E" value="1"/>' + NODE.format("n")),
+    Case("comments", "<!-- <node/> -->" + NODE.format("n") + "<!-- $(arg no) -->"),
+    Case("node args", '<arg name="x" default="1"/><node pkg="p" type="t" name="n" args="load $(arg x) --y"/>'),
+    Case("nodelets", '<node pkg="nodelet" type="nodelet" name="m" args="manager"/><node pkg="nodelet" type="nodelet" name="l" args="load p/C m"/>'),
+    Case("env", NODE.format("$(env WHO)"), environ={"WHO": "me"}),
+    Case("optenv", NODE.format("a_$(optenv WHO nobody)"), environ={"WHO": "me"}),
+    Case("optenv default", NODE.format("a_$(optenv NO_SUCH_VARIABLE nobody)")),
+    Case("optenv default of words", '<node pkg="p" type="t" name="a" args="$(optenv NO_SUCH_VARIABLE no body)"/>'),
+    Case("optenv empty", '<node pkg="p" type="t" name="a" args="[$(optenv NO_SUCH_VARIABLE)]"/>'),
+    Case("dirname", '<node pkg="p" type="t" name="a" args="$(dirname)/x $( dirname )"/>'),
+    Case("find", '<node pkg="p" type="t" name="a" args="$(find one) $(find one)/launch/x.launch b $(find two)/y"/>'),
+    Case("find without a slash", '<node pkg="p" type="t" name="a" args="$(find one)x c"/>'),
+    Case("find with an argument in its path", '<arg name="x" default="y"/><node pkg="p" type="t" name="a" args="$(find one)/$(arg x).yaml"/>'),
+    Case("find given on the command line", '<arg name="x"/><node pkg="p" type="t" name="a" args="$(arg x)"/>', args={"x": "$(find one)/z"}),
+    Case("find with backslashes", '<node pkg="p" type="t" name="a" args="$(find one)\\launch\\x"/>'),
+    Case("dollars and parentheses", '<node pkg="p" type="t" name="a" args="$ (x) $x $$(dirname)"/>'),
+    Case("unfinished", '<node pkg="p" type="t" name="a" args="$(arg y"/>'),
+    Case("nothing in parentheses", '<node pkg="p" type="t" name="a" args="$() a"/>'),
+    Case("anon", NODE.format("$(anon talker)")),
+    Case("anon twice", '<node pkg="p" type="t" name="$(anon a)" args="$(anon a) $(anon b)"/>'),
+    Case("anon in an arg and a remap", '<arg name="n" default="$(anon a)"/><node pkg="p" type="t" name="$(arg n)"><remap from="/$(arg n)/x" to="/y"/></node>'),
+    Case("quotes and entities", "<node pkg='p' type=\"t\" name='a' args='&lt;\"&amp;&apos;&#65;'/>"),
+    Case("line breaks in attributes", '<node pkg="p"\n  type="t"\n  name="a" args="x\n y"/>'),
+    Case("unknown attributes", '<node pkg="p" type="t" name="a" colour="red"/>'),
+    Case("a strange node name", NODE.format("my-node")),
+    Case("cdata", '<node pkg="p" type="t" name="a"><rosparam><![CDATA[x: "<remap/>"]]></rosparam></node>'),
+)
+
+INCLUDES = (
+    Case("include", '<include file="$(dirname)/sub.launch"/>', {"sub.launch": included(NODE.format("n"))}),
+    Case("include twice", '<include file="$(dirname)/sub.launch" ns="a"/><include file="$(dirname)/sub.launch" ns="b"/>', {"sub.launch": included(NODE.format("n"))}),
+    Case("include of a package", '<include file="$(find one)/launch/x.launch"/>', {"one/launch/x.launch": included(NODE.format("n"))}),
+    Case("include if", '<include file="$(dirname)/no.launch" if="false"/>' + NODE.format("n")),
+    Case("include with args", '<include file="$(dirname)/sub.launch"><arg name="x" value="v"/></include>', {"sub.launch": included('<arg name="x" default="d"/>' + NODE.format("$(arg x)"))}),
+    Case("include with a default", '<include file="$(dirname)/sub.launch"><arg name="x" default="v"/></include>', {"sub.launch": included('<arg name="x" default="d"/>' + NODE.format("$(arg x)"))}),
+    Case("include evaluates args outside", '<arg name="x" default="o"/><include file="$(dirname)/sub.launch"><arg name="x" value="i"/><arg name="y" value="$(arg x)"/></include>', {"sub.launch": included('<arg name="x"/><arg name="y"/>' + NODE.format("$(arg x)$(arg y)"))}),
+    Case("include arg if", '<include file="$(dirname)/sub.launch"><arg name="x" value="v" if="false"/></include>', {"sub.launch": included('<arg name="x" default="d"/>' + NODE.format("$(arg x)"))}),
+    Case("include does not inherit args", '<arg name="x" default="o"/><include file="$(dirname)/sub.launch"/>', {"sub.launch": included('<arg name="x" default="d"/>' + NODE.format("$(arg x)"))}),
+    Case("pass_all_args", '<arg name="x" default="o"/><include file="$(dirname)/sub.launch" pass_all_args="true"/>', {"sub.launch": included('<arg name="x" default="d"/>' + NODE.format("$(arg x)"))}),
+    Case("pass_all_args with one of its own", '<arg name="x" default="o"/><arg name="y" default="p"/><include file="$(dirname)/sub.launch" pass_all_args="true"><arg name="x" value="i"/></include>', {"sub.launch": included('<arg name="x" default="d"/>' + NODE.format("$(arg x)$(arg y)"))}),
+    Case("pass_all_args and a value", '<arg name="x" default="o"/><include file="$(dirname)/sub.launch" pass_all_args="true"/>', {"sub.launch": included('<arg name="x" value="d"/>' + NODE.format("$(arg x)"))}),
+    Case("pass_all_args with too many", '<arg name="x" default="o"/><include file="$(dirname)/sub.launch" pass_all_args="true"/>', {"sub.launch": included(NODE.format("n"))}),
+    Case("remaps leak into includes", '<remap from="a" to="b"/><include file="$(dirname)/sub.launch" ns="g"/>', {"sub.launch": included('<remap from="c" to="d"/>' + NODE.format("n"))}),
+    Case("remaps do not leak out of includes", '<include file="$(dirname)/sub.launch"/>' + NODE.format("m"), {"sub.launch": included('<remap from="c" to="d"/>' + NODE.format("n"))}),
+    Case("include in a group", '<group ns="g"><remap from="a" to="b"/><include file="$(dirname)/sub.launch" ns="h"/></group>', {"sub.launch": included(NODE.format("n"))}),
+    Case("include with a global namespace", '<group ns="g"><include file="$(dirname)/sub.launch" ns="/h"/></group>', {"sub.launch": included(NODE.format("n"))}),
+    Case("include of includes", '<include file="$(dirname)/s/one.launch"/>', {"s/one.launch": included('<include file="$(dirname)/two.launch"/>'), "s/two.launch": included('<node pkg="p" type="t" name="n" args="$(dirname)"/>')}),
+    Case("dirname in an include's arg is the includer's", '<include file="$(dirname)/s/one.launch"><arg name="d" value="$(dirname)"/></include>', {"s/one.launch": included('<arg name="d"/><node pkg="p" type="t" name="n" args="$(arg d) $(dirname)"/>')}),
+    Case("dirname with dots", '<include file="$(dirname)/s/../s/./one.launch"/>', {"s/one.launch": included('<node pkg="p" type="t" name="n" args="$(dirname)"/>')}),
+    Case("an include that includes itself until told not to", '<include file="$(dirname)/sub.launch"><arg name="n" value="3"/></include>', {"sub.launch": included('<arg name="n"/>' + NODE.format("n$(arg n)") + '<include file="$(dirname)/sub.launch" if="$(eval n &gt; 0)"><arg name="n" value="$(eval n - 1)"/></include>')}),
+    Case("clear_params", '<include file="$(dirname)/sub.launch" ns="g" clear_params="true"/>', {"sub.launch": included(NODE.format("n"))}),
+    Case("anon in an include", '<include file="$(dirname)/sub.launch" ns="a"/>' + NODE.format("$(anon n)"), {"sub.launch": included(NODE.format("$(anon n)"))}),
+    Case("arg in a group of an include", '<include file="$(dirname)/sub.launch" pass_all_args="true"/>', {"sub.launch": included('<group><arg name="z" value="1"/>' + NODE.format("n$(arg z)") + "</group>")}),
+)
+
+EXPRESSIONS = (
+    "1 + 2 * 3", "7 // 2", "7 / 2", "-7 % 3", "2 ** 10", "not True", "true and false", "1 or 0",
+    "arg('i') + 1", "i + 1", "f * 2", "b", "not b", "s + '_x'", "s == 'str'", "s != 'str'",
+    "i > 2 and i < 4", "2 < i < 4", "i in [1, 2, 3]", "s not in ['a', 'b']", "'a' if b else 'c'",
+    "optenv('NO_SUCH_VARIABLE', 'd')", "env('WHO')", "find('one')", "dirname()", "anon('x')",
+    "str(i) + s", "int('4')", "float('4')", "len(s)", "abs(-i)", "min(1, i)", "max(f, i)",
+    "round(2.567, 1)", "round(2.5)", "pi", "sin(0)", "sqrt(16)", "floor(2.7)", "radians(180)",
+    "s.upper()", "s.split('t')[1]", "s[0]", "s[1:]", "s[::-1]", "'-'.join(['a', 'b'])",
+    "s.startswith('s')", "'%s_%02d' % (s, i)", "'{}_{:03}'.format(s, i)", "'x' * i", "(1, 2)",
+    "[1, 'a']", "{1: 'a', 'b': 2}", "{s: i}['str']", "1.0", "'1_0'", "underscored", "i is not None", "2 * f ** 2", "None", "- - i",
+)
+
+ARGUMENTS = {"i": "3", "f": "2.5", "b": "true", "s": "str", "underscored": "1_000"}
+
+REFUSED = (
+    Case("no name", '<node pkg="p" type="t"/>'),
+    Case("no package", '<node type="t" name="a"/>'),
+    Case("a name with a namespace", NODE.format("a/b")),
+    Case("neither true nor false", '<group if="yes"/>'),
+    Case("empty condition", '<group if=""/>'),
+    Case("both conditions", '<group if="1" unless="1"/>'),
+    Case("empty namespace", '<group ns=""/>'),
+    Case("private namespace", '<group ns="~a"/>'),
+    Case("arg with value and default", '<arg name="x" value="1" default="2"/>'),
+    Case("arg without a name", '<arg default="2"/>'),
+    Case("arg twice", '<arg name="x" default="1"/><arg name="x" default="2"/>'),
+    Case("arg given and set", '<arg name="x" value="1"/>', args={"x": "2"}),
+    Case("arg set again in a group", '<arg name="x" value="1"/><group><arg name="x" value="2"/></group>'),
+    Case("arg missing", NODE.format("$(arg x)")),
+    Case("arg declared and missing", '<arg name="x"/>' + NODE.format("$(arg x)")),
+    Case("arg of one group used in another", '<group><arg name="x" value="1"/></group>' + NODE.format("$(arg x)")),
+    Case("arg declared again in a group", '<arg name="x" default="1"/><group><arg name="x" default="2"/></group>'),
+    Case("remap without a target", '<remap from="a"/>'),
+    Case("remap to nothing", '<remap from="a" to=""/>'),
+    Case("remap of an illegal name", '<remap from="1a" to="b"/>'),
+    Case("remap to an illegal name", '<node pkg="p" type="t" name="a"><remap from="a" to="b-c"/></node>'),
+    Case("unknown substitution", NODE.format("$(what x)")),
+    Case("nested substitution", NODE.format("$(arg $(arg x))")),
+    Case("parenthesis in a substitution", NODE.format("$(arg (x))")),
+    Case("blank substitution", NODE.format("$( )")),
+    Case("arg of two words", NODE.format("$(arg x y)")),
+    Case("anon of nothing", NODE.format("$(anon)")),
+    Case("env of two words", NODE.format("$(env HOME HOME)")),
+    Case("optenv of nothing", NODE.format("$(optenv)")),
+    Case("find of two words", NODE.format("$(find one two)")),
+    Case("eval among other text", NODE.format("a$(eval 1)")),
+    Case("eval of a word that is nothing", NODE.format("$(eval nothing)")),
+    Case("eval of an arg that is missing", NODE.format("$(eval arg('x'))")),
+    Case("eval with double underscores", NODE.format("$(eval ''.__class__)")),
+    Case("eval of no Python", NODE.format("$(eval 1 +)")),
+    Case("eval that divides by zero", NODE.format("$(eval 1 / 0)")),
+    Case("eval that adds a number to a string", NODE.format("$(eval 1 + 'a')")),
+    Case("eval beyond the end", NODE.format("$(eval 'abc'[5])")),
+    Case("include without a file", "<include/>"),
+    Case("include's arg without a value", '<include file="$(dirname)/sub.launch"><arg name="x"/></include>', {"sub.launch": included("")}),
+    Case("include's arg twice", '<include file="$(dirname)/sub.launch"><arg name="x" value="1"/><arg name="x" value="1"/></include>', {"sub.launch": included('<arg name="x"/>')}),
+    Case("two launch elements", "<launch/>"),
+    Case("no XML", "<node>"),
+    Case("a name twice in one document", '<node name="a" name="b"/>'),
+)
+
+REFUSED_INSIDE = (
+    Case("missing file", '<include file="$(dirname)/no.launch"/>'),
+    Case("missing package", '<include file="$(find no_such_package)/no.launch"/>'),
+    Case("unset environment variable", NODE.format("$(env NO_SUCH_VARIABLE)")),
+    Case("malformed include", '<include file="$(dirname)/sub.launch"/>', {"sub.launch": "<launch>"}),
+    Case("include without launch", '<include file="$(dirname)/sub.launch"/>', {"sub.launch": "<robot/>"}),
+    Case("include that requires an arg", '<include file="$(dirname)/sub.launch"/>', {"sub.launch": included('<arg name="x"/>' + NODE.format("$(arg x)"))}),
+    Case("include's arg not used", '<include file="$(dirname)/sub.launch"><arg name="x" value="1"/></include>', {"sub.launch": included("")}),
+    Case("include's arg used only in a group", '<include file="$(dirname)/sub.launch"><arg name="x" value="1"/></include>', {"sub.launch": included('<group><arg name="x" default="2"/></group>')}),
+    Case("include's arg that is set inside", '<include file="$(dirname)/sub.launch"><arg name="x" value="1"/></include>', {"sub.launch": included('<arg name="x" value="2"/>')}),
+    Case("args do not pass by themselves", '<arg name="x" value="1"/><include file="$(dirname)/sub.launch"/>', {"sub.launch": included(NODE.format("$(arg x)"))}),
+    Case("bad node in an include", '<include file="$(dirname)/sub.launch"/>', {"sub.launch": included("<node/>")}),
+    Case("include of itself", '<include file="$(dirname)/app.launch"/>'),
+    Case("two nodes of one name", NODE.format("a") * 2),
+    Case("the same include twice", '<include file="$(dirname)/sub.launch"/>' * 2, {"sub.launch": included(NODE.format("a"))}),
+)
