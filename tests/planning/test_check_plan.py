@@ -79,12 +79,10 @@ def test_a_successor_that_does_not_listen(successor, fault):
 
 
 def test_a_subscriber_that_the_plan_forgets_hears_the_public_name():
-    assert told(with_grcn(successors=())) == [
-        (
-            "warning: GRCN grcn_cmd_vel: /gazebo is no successor: it hears the public /cmd_vel, where "
-            "anyone can speak"
-        )
-    ]
+    (text,) = told(with_grcn(successors=()))
+    assert text.startswith(
+        "warning: GRCN grcn_cmd_vel: /gazebo is no successor: it hears the public"
+    )
     assert told(with_grcn(successors=(), mode=Mode.OBSERVE)) == []
 
 

@@ -29,6 +29,6 @@ def bind_host(host: str) -> str:
 def _resolves(name: str) -> bool:
     try:
         socket.getaddrinfo(name, None, socket.AF_INET)
-    except OSError:
+    except (OSError, UnicodeError):  # a label over 63 bytes is a UnicodeError
         return False
     return True

@@ -70,20 +70,33 @@ class FrameReader:
         """How many bytes the frame that has begun still lacks, as far as that is known."""
 
     def feed(self, data: bytes) -> list[bytes]:
-        """Take what arrived; return the frames that are complete, each prefix included."""
+        """Take what arrived; return the frames that are complete, each prefix included.
+
+        A length over the limit is a WireError, but only after the frames before it were returned:
+        the next call raises it.
+        """
         if not self._buffer and self._is_one_frame(data):
             return [data]
-        buffer = self._buffer
-        buffer += data
-        frames = []
-        at = 0
-        while (end := self._end(at)) and end <= len(buffer):
-            frames.append(bytes(memoryview(buffer)[at:end]))
-            at = end
-        self.missing = max(0, end - len(buffer))
+        self._buffer += data
+        frames: list[bytes] = []
+        try:
+            at = self._cut(frames)
+        except WireError:
+            if not frames:
+                raise
+            at = sum(map(len, frames))
         if at:
-            del buffer[:at]
+            del self._buffer[:at]
         return frames
+
+    def _cut(self, frames: list[bytes]) -> int:
+        """Append the frames that are complete; return where the rest begins."""
+        at = 0
+        while (end := self._end(at)) and end <= len(self._buffer):
+            frames.append(bytes(memoryview(self._buffer)[at:end]))
+            at = end
+        self.missing = max(0, end - len(self._buffer))
+        return at
 
     def _is_one_frame(self, data: bytes) -> bool:
         prefixed = len(data) >= LENGTH.size
@@ -93,5 +106,5 @@ class FrameReader:
         """Return where the frame at `at` ends, or 0 while its prefix is not there."""
         if at + LENGTH.size > len(self._buffer):
             return 0
-        prefix = memoryview(self._buffer)[at : at + LENGTH.size]
+        prefix = bytes(self._buffer[at : at + LENGTH.size])
         return at + LENGTH.size + frame_length(prefix, self._limit)

@@ -18,6 +18,9 @@ from rtron.errors import SourceError, WireError
 
 MAX_BODY = 1 << 24
 """The longest XML-RPC document accepted, bytes; a master's system state is the long one."""
+MAX_DEPTH = 200
+"""How deep the elements of a document may be nested."""
+_MAX_SAID = 500
 _CHUNK = 1 << 16
 _ROS_SUCCESS = 1
 _TRIPLE = 3
@@ -44,17 +47,42 @@ def decode_response(body: bytes) -> Any:  # noqa: ANN401 - XML-RPC values have a
     return params[0]
 
 
+class _ShallowUnmarshaller(Unmarshaller):
+    """The standard one, but a document cannot nest so deep that using its value would recurse."""
+
+    def __init__(self) -> None:
+        super().__init__(use_builtin_types=True)
+        self._depth = 0
+
+    def start(self, tag: str, attrs: dict[str, str]) -> None:
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise WireError(f"elements nested deeper than {MAX_DEPTH}")
+        super().start(tag, attrs)
+
+    def end(self, tag: str) -> None:
+        self._depth -= 1
+        super().end(tag)
+
+
 def _parse(body: bytes) -> tuple[tuple[Any, ...], str | None]:
-    target = Unmarshaller(use_builtin_types=True)
+    if len(body) > MAX_BODY:
+        raise WireError(f"XML-RPC document longer than {MAX_BODY} bytes")
+    target = _ShallowUnmarshaller()
     try:
         parser = DefusedExpatParser(target, forbid_dtd=True)
         parser.feed(body)
         parser.close()
         return target.close(), target.getmethodname()
     except Fault as fault:
-        raise WireError(f"XML-RPC fault: {fault.faultString}") from fault
+        raise WireError(f"XML-RPC fault: {_said(fault.faultString)}") from fault
     except Exception as error:  # the standard parser raises whatever a bad document provokes
-        raise WireError(f"malformed XML-RPC: {error}") from error
+        raise WireError(f"malformed XML-RPC: {_said(error)}") from error
+
+
+def _said(words: object) -> str:
+    """Return what a stranger says, short enough for a log."""
+    return str(words)[:_MAX_SAID]
 
 
 def ros_call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noqa: ANN401
@@ -68,7 +96,7 @@ def ros_call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noq
         raise WireError(f"{method} at {uri}: the answer is not [code, message, value]")
     code, message, value = answer
     if code != _ROS_SUCCESS:
-        raise SourceError(f"{method} at {uri}: {message}")
+        raise SourceError(f"{method} at {uri}: {_said(message)}")
     return value
 
 

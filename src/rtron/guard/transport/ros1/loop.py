@@ -42,8 +42,8 @@ class Loop:
         self._after: list[Callback] = []
         self._running = False
         self._wake, self._waker = socket.socketpair()
-        self._wake.setblocking(False)
-        self._waker.setblocking(False)
+        self._wake.settimeout(0)
+        self._waker.settimeout(0)
         self.watch(self._wake, self._drain, self._ignore)
 
     now = staticmethod(time.monotonic_ns)
@@ -115,7 +115,7 @@ class Loop:
             if events & selectors.EVENT_WRITE and watch.writable:
                 watch.writable()
             self._flush()
-        except Exception as error:  # noqa: BLE001 - a stranger's bytes must not end the guard
+        except Exception as error:
             if not isinstance(error, (OSError, RTronError)):
                 log.exception("internal error while serving a connection; it is closed")
             watch.broken(error)

@@ -1,0 +1,36 @@
+# `make help` lists what this can do.
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test lint bench fuzz docs
+
+BIN := .venv/bin
+PYTHON := $(BIN)/python
+
+help: ## List the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-6s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+setup: ## Install Debian's ROS 1 packages and .venv, if they are not there yet
+	@scripts/setup.sh
+
+demo: setup ## Attack a small robot app, guard it, attack it again (under a minute)
+	@$(PYTHON) -m rtron.demos.ros1
+
+lint: setup ## Check style, types, import contracts and whether the generated docs are fresh
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(PYTHON) scripts/docs_rules.py --check
+	$(PYTHON) scripts/docs_policies.py --check
+
+test: lint ## Run lint and every test
+	$(BIN)/pytest
+
+fuzz: setup ## Give the wire parsers at least 100000 hostile inputs each
+	$(BIN)/pytest tests/wire --hypothesis-profile=fuzz -k fuzz --timeout=0 -q
+
+bench: setup ## Measure, and write build/bench.json
+	$(PYTHON) -m bench
+
+docs: setup ## Write the pages that are made from the code
+	$(PYTHON) scripts/docs_rules.py
+	$(PYTHON) scripts/docs_policies.py

@@ -1,0 +1,110 @@
+"""Where it is measured: a ROS master of our own, and processes that end with their block."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+_START_S = 20.0
+_STOP_S = 5.0
+ROOT = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A running master, the environment that leads to it, and a folder for files."""
+
+    environ: Mapping[str, str]
+    folder: Path
+
+
+@contextmanager
+def site() -> Iterator[Site]:
+    """Run a master on a free port until the end of the block."""
+    with tempfile.TemporaryDirectory(prefix="rtron-bench-") as name:
+        port = _free_port()
+        here = Site(_environ(Path(name), port), Path(name))
+        with running(here, ["rosmaster", "--core", "-p", str(port)], signal.SIGINT):
+            _wait_for(port)
+            yield here
+
+
+@contextmanager
+def running(
+    here: Site, command: Sequence[str], stop: signal.Signals = signal.SIGTERM
+) -> Iterator[subprocess.Popen[str]]:
+    """Run a command until the end of the block; its output goes to a file in the folder."""
+    process = start(here, command, piped=False)
+    try:
+        yield process
+    finally:
+        end(process, stop)
+
+
+def start(here: Site, command: Sequence[str], *, piped: bool) -> subprocess.Popen[str]:
+    """Start a command, with standard input and output piped or none; errors go to a file."""
+    pipe = subprocess.PIPE if piped else subprocess.DEVNULL
+    with (here.folder / "errors.log").open("a") as errors:
+        return subprocess.Popen(
+            command, env=here.environ, cwd=ROOT, stdin=pipe, stdout=pipe, stderr=errors, text=True
+        )
+
+
+def end(process: subprocess.Popen[str], stop: signal.Signals = signal.SIGTERM) -> None:
+    """Ask a process to stop, kill it if it does not, and close its pipes."""
+    process.send_signal(stop)
+    try:
+        process.wait(_STOP_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+    for pipe in (process.stdin, process.stdout):
+        if pipe:
+            pipe.close()
+
+
+def python(module: str, *args: str) -> list[str]:
+    """Return the command that runs a module as this Python does."""
+    return [sys.executable, "-m", module, *args]
+
+
+def complaints(here: Site) -> str:
+    """Return the last lines that any process wrote to standard error."""
+    lines = (here.folder / "errors.log").read_text(errors="replace").splitlines()
+    return "\n".join(lines[-10:])
+
+
+def _environ(folder: Path, port: int) -> dict[str, str]:
+    return os.environ | {
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_HOSTNAME": "localhost",
+        "ROS_HOME": str(folder),
+        "ROS_LOG_DIR": str(folder),
+        "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), *sys.path[1:]]),
+    }
+
+
+def _free_port() -> int:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port: int = free.getsockname()[1]
+        return port
+
+
+def _wait_for(port: int) -> None:
+    deadline = time.monotonic() + _START_S
+    while time.monotonic() < deadline:
+        try:
+            socket.create_connection(("127.0.0.1", port), 1.0).close()
+        except OSError:
+            time.sleep(0.05)
+        else:
+            return
+    raise TimeoutError("the ROS master does not start")

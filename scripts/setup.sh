@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# Installs what RTron needs: Debian's ROS 1 packages, then .venv. Does nothing when all is there.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+RUN_PACKAGES=(
+  python3-venv python3-rospy python3-roslaunch python3-rosmaster python3-rosnode python3-rosparam
+  python3-rostopic rosout topic-tools
+  python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs python3-sensor-msgs
+  python3-std-msgs python3-tf2-msgs
+)
+TEST_PACKAGES=(g++ libgeometry-msgs-dev libroscpp-dev libstd-msgs-dev make pkg-config)
+READY=.venv/.ready
+
+installed() {
+  dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
+}
+
+missing_packages() {
+  local package
+  for package in "${RUN_PACKAGES[@]}" "${TEST_PACKAGES[@]}"; do
+    installed "$package" || echo "$package"
+  done
+}
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then
+    "$@"
+  else
+    sudo "$@"
+  fi
+}
+
+may_install() {
+  [ "$(id -u)" -eq 0 ] || { command -v sudo >/dev/null && { [ -t 0 ] || sudo -n true 2>/dev/null; }; }
+}
+
+give_up() {
+  printf 'setup: %s\n' "$@" >&2
+  exit 1
+}
+
+install_packages() {
+  command -v dpkg-query >/dev/null || give_up "this is not Debian or Ubuntu" \
+    "install ROS 1 (rospy, roslaunch, rosmaster, topic_tools) and Python >= 3.10 by hand," \
+    "then: python3 -m venv .venv && .venv/bin/pip install -r requirements.lock -e ."
+  local missing
+  mapfile -t missing < <(missing_packages)
+  [ "${#missing[@]}" -eq 0 ] && return
+  may_install || give_up "Debian packages are missing, and only root may install them" \
+    "run: sudo apt-get install --no-install-recommends ${missing[*]}" "then run this again"
+  echo "setup: installing ${missing[*]}"
+  as_root apt-get update -q || echo "setup: the package lists could not be renewed" >&2
+  as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -qy --no-install-recommends "${missing[@]}" || give_up \
+    "apt-get could not install them: is this Debian 12 or later, or Ubuntu 22.04 or later?" \
+    "on Ubuntu they are in 'universe': sudo add-apt-repository universe"
+}
+
+# The Python to use: the first of these that is at least 3.10 and can make a venv.
+find_python() {
+  local python
+  for python in "${PYTHON:-python3}" python3 /usr/bin/python3; do
+    "$python" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))' \
+      2>/dev/null && { echo "$python"; return; }
+  done
+  give_up "no Python >= 3.10 found" "set PYTHON to one, for example: PYTHON=python3.12 make setup"
+}
+
+wanted_state() {
+  sha256sum requirements.lock pyproject.toml scripts/setup.sh
+  pwd
+}
+
+make_venv() {
+  if [ "$(cat "$READY" 2>/dev/null)" = "$(wanted_state)" ]; then
+    return
+  fi
+  local python
+  python=$(find_python)
+  echo "setup: making .venv with $("$python" --version)"
+  "$python" -m venv --clear .venv
+  .venv/bin/python -m pip install -q --disable-pip-version-check -r requirements.lock
+  .venv/bin/python -m pip install -q --disable-pip-version-check --no-deps -e .
+  wanted_state >"$READY"
+}
+
+install_packages
+make_venv

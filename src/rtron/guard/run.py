@@ -1,0 +1,46 @@
+"""Running the guard on ROS 1 until it is told to end."""
+
+import logging
+import signal
+from collections.abc import Sequence
+
+from rtron.errors import SourceError
+from rtron.guard.host import Host
+from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.transport.ros1.transport import Ros1Transport
+from rtron.vocabulary import Plan, Stream, streams
+
+log = logging.getLogger(__name__)
+
+
+def run_guard(plan: Plan, master: str) -> int:
+    """Guard a plan's streams on the ROS 1 master at `master`; return the exit code.
+
+    SourceError if the plan is for ROS 2, whose transport is not there yet.
+    """
+    if plan.ros != 1:
+        raise SourceError("this guard speaks ROS 1 only", help="the plan says `ros: 2`")
+    return run_streams(streams(plan), master)
+
+
+def run_streams(guarded: Sequence[Stream], master: str) -> int:
+    """Guard streams until SIGINT, SIGTERM or a kill of the guard's own node."""
+    loop = Loop()
+    transport = Ros1Transport(loop, master)
+    host = Host(transport, guarded)
+
+    def killed(node: str, reason: str) -> None:
+        log.error("%s was shut down: %s", node, reason)
+        transport.remove(node)
+        if host.killed(node, reason):
+            loop.stop()
+
+    transport.killed = killed
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: loop.post(loop.stop))
+    host.open()
+    log.info("guarding %d topics on %s", len(guarded), master)
+    loop.run()
+    transport.close()
+    loop.close()
+    return 0

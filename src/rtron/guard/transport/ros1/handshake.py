@@ -1,0 +1,106 @@
+"""Connecting to a publisher: asked for in a worker thread, so that no dead node delays the loop."""
+
+import socket
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from rtron.errors import SourceError, WireError
+from rtron.guard.transport.transport import Peer, TypeInfo
+from rtron.wire.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
+from rtron.wire.xmlrpc import ros_call
+
+PATIENCE_S = 3.0
+"""How long a publisher may take for each step, seconds."""
+_ADDRESS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """Which topic a node of ours wants, and the master that knows who is who."""
+
+    node: str
+    topic: str
+    type: str
+    master: str
+
+
+def connect(wish: Wish, uri: str) -> tuple[socket.socket, Peer]:
+    """Return a connection that is about to stream, and who is at the other end.
+
+    Raises SourceError or OSError if the publisher cannot be reached, WireError if it breaks the
+    protocol or has another type.
+    """
+    host, port = _address(wish, uri)
+    sock = socket.create_connection((host, port), PATIENCE_S)
+    try:
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        sock.sendall(encode_header(_greeting(wish)))
+        peer = _peer(wish, uri, _read_header(sock))
+        sock.settimeout(0)
+    except BaseException:
+        sock.close()
+        raise
+    return sock, peer
+
+
+def _address(wish: Wish, uri: str) -> tuple[str, int]:
+    answer = ros_call(uri, "requestTopic", wish.node, wish.topic, [["TCPROS"]], timeout=PATIENCE_S)
+    if not isinstance(answer, list) or len(answer) != _ADDRESS or answer[0] != "TCPROS":
+        raise WireError(f"{uri} offers no TCPROS address for {wish.topic}")
+    return str(answer[1]), _port(answer[2])
+
+
+def _port(value: Any) -> int:  # noqa: ANN401 - a stranger's word
+    if not isinstance(value, int) or not 0 < value < 1 << 16:
+        raise WireError(f"not a port: {value!r}")
+    return value
+
+
+def _greeting(wish: Wish) -> dict[str, str]:
+    return {
+        "callerid": wish.node,
+        "topic": wish.topic,
+        "type": wish.type or "*",
+        "md5sum": "*",
+        "tcp_nodelay": "1",
+    }
+
+
+def _read_header(sock: socket.socket) -> dict[str, str]:
+    deadline = time.monotonic() + PATIENCE_S
+    length = frame_length(_exactly(sock, LENGTH.size, deadline), MAX_HEADER)
+    return decode_header(_exactly(sock, length, deadline))
+
+
+def _exactly(sock: socket.socket, size: int, deadline: float) -> bytes:
+    data = bytearray()
+    while len(data) < size:
+        sock.settimeout(max(1e-3, deadline - time.monotonic()))
+        part = sock.recv(size - len(data))
+        if not part or time.monotonic() > deadline:
+            raise WireError("the connection header did not arrive")
+        data += part
+    return bytes(data)
+
+
+def _peer(wish: Wish, uri: str, fields: dict[str, str]) -> Peer:
+    if "error" in fields:
+        raise WireError(f"{uri} refuses: {fields['error']}")
+    info = TypeInfo(
+        fields.get("type", ""), fields.get("md5sum", ""), fields.get("message_definition", "")
+    )
+    if not info.type or info.md5sum in ("", "*"):
+        raise WireError(f"{uri} does not say what it publishes on {wish.topic}")
+    if wish.type and info.type != wish.type:
+        raise WireError(f"{uri} publishes {info.type} on {wish.topic}, not {wish.type}")
+    node = fields.get("callerid", "")
+    return Peer(node, info, fields.get("latching") == "1", _lives_at(wish, node, uri))
+
+
+def _lives_at(wish: Wish, node: str, uri: str) -> bool:
+    """Ask the master whether the name that the peer gives is registered at its address."""
+    try:
+        return bool(ros_call(wish.master, "lookupNode", wish.node, node, timeout=PATIENCE_S) == uri)
+    except (SourceError, WireError):
+        return False

@@ -1,0 +1,120 @@
+"""A topic that one of our nodes publishes: its subscribers, and what late ones get."""
+
+from collections import deque
+from collections.abc import Callable
+
+from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
+from rtron.guard.transport.transport import TypeInfo
+
+_AWAIT_FIRST_NS = 1_000_000_000
+
+
+class Publication:
+    """Sends raw messages to every subscriber, each with a bounded queue of its own.
+
+    The type is learned from the first publisher that the guard approves. A subscriber that comes
+    before and names its md5sum is served at once and cut off if the type turns out another; one
+    that asks for any type waits until it is known.
+    """
+
+    def __init__(
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        now: Callable[[], int],
+        *,
+        queue_size: int,
+        await_first: bool,
+    ) -> None:
+        self.node = node
+        self.topic = topic
+        self.type = type
+        self.info: TypeInfo | None = None
+        self.links: list[SubscriberLink] = []
+        self._now = now
+        self._limit = queue_size
+        self._undecided: list[SubscriberLink] = []
+        self._latched: dict[str, bytes] = {}
+        self._early: deque[tuple[int, bytes]] | None = deque(maxlen=queue_size)
+        if not await_first:
+            self._early = None
+
+    def learn(self, info: TypeInfo) -> bool:
+        """Take the type from a publisher; False if another is known or the name differs."""
+        if self.info is not None:
+            return self.info.md5sum == info.md5sum and self.info.type == info.type
+        if self.type and self.type != info.type:
+            return False
+        self.info, self.type = info, info.type
+        for link in [link for link in self.links if link.md5sum not in ("*", info.md5sum)]:
+            link.close()
+        undecided, self._undecided = self._undecided, []
+        for link in undecided:
+            self._welcome(link, info)
+        return True
+
+    def publish(self, message: bytes, latched_by: str | None = None) -> None:
+        """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
+        if latched_by is not None:
+            self._latched[latched_by] = message
+        for link in self.links:
+            link.send(message)
+        if self._early is not None and not self.links:
+            self._early.append((self._now(), message))
+
+    def admit(self, link: SubscriberLink, fields: dict[str, str]) -> None:
+        """Answer a subscriber's header."""
+        link.limit = self._limit
+        link.closed = self._left
+        asked = TypeInfo(fields.get("type", "*"), link.md5sum, fields.get("message_definition", ""))
+        if self.info is not None:
+            self._check(link, asked, self.info)
+        elif link.md5sum == "*":
+            self._undecided.append(link)
+        elif self.type in ("", asked.type):
+            self._welcome(link, asked)
+        else:
+            link.refuse(f"{self.topic} is of type {self.type}, not {asked.type}")
+
+    def close(self) -> None:
+        """Close every connection."""
+        for link in [*self.links, *self._undecided]:
+            link.close()
+
+    def _check(self, link: SubscriberLink, asked: TypeInfo, info: TypeInfo) -> None:
+        if asked.md5sum in ("*", info.md5sum):
+            self._welcome(link, info)
+        else:
+            link.refuse(
+                f"{self.topic} is of type {info.type} with md5sum {info.md5sum}, "
+                f"not {asked.type} with {asked.md5sum}"
+            )
+
+    def _welcome(self, link: SubscriberLink, info: TypeInfo) -> None:
+        if link.is_closed:
+            return
+        link.welcome(
+            {
+                "callerid": self.node,
+                "topic": self.topic,
+                "type": info.type,
+                "md5sum": info.md5sum,
+                "message_definition": info.definition,
+                "latching": "1" if self._latched else "0",
+            }
+        )
+        self.links.append(link)
+        for message in [*self._latched.values(), *self._waited()]:
+            link.send(message)
+
+    def _waited(self) -> list[bytes]:
+        early, self._early = self._early, None
+        since = self._now() - _AWAIT_FIRST_NS
+        latched = set(self._latched.values())
+        return [m for when, m in early or () if when >= since and m not in latched]
+
+    def _left(self, link: SubscriberLink) -> None:
+        for group in (self.links, self._undecided):
+            if link in group:
+                group.remove(link)

@@ -1,0 +1,40 @@
+"""A listening socket of the loop; both TCPROS and the XML-RPC slaves use it."""
+
+import logging
+import socket
+from collections.abc import Callable
+
+from rtron.guard.transport.ros1.loop import Loop
+
+log = logging.getLogger(__name__)
+
+_BACKLOG = 128
+
+
+class TcpServer:
+    """Accepts connections on a free port and hands each over, non-blocking."""
+
+    def __init__(self, loop: Loop, host: str, accepted: Callable[[socket.socket], object]) -> None:
+        self._loop = loop
+        self._accepted = accepted
+        self._sock = socket.create_server((host, 0), backlog=_BACKLOG)
+        self._sock.settimeout(0)
+        self.port: int = self._sock.getsockname()[1]
+        loop.watch(self._sock, self._accept, self._broken)
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._loop.forget(self._sock)
+
+    def _accept(self) -> None:
+        try:
+            connection, _ = self._sock.accept()
+        except OSError as error:
+            log.warning("a connection could not be accepted: %s", error)
+            return
+        connection.settimeout(0)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._accepted(connection)
+
+    def _broken(self, error: Exception) -> None:
+        log.warning("a connection was dropped while it was set up: %s", error)

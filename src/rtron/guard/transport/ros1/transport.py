@@ -1,0 +1,124 @@
+"""The guard's transport for ROS 1: many nodes in one process, raw messages, no rospy."""
+
+import logging
+import socket
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+from rtron.guard.transport.ros1.handshake import Wish
+from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.transport.ros1.master import Registrar
+from rtron.guard.transport.ros1.node import Node
+from rtron.guard.transport.ros1.publication import Publication
+from rtron.guard.transport.ros1.publisher_link import start
+from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
+from rtron.guard.transport.ros1.subscription import Subscription
+from rtron.guard.transport.ros1.tcp_server import TcpServer
+from rtron.guard.transport.transport import Connect, Output, TypeInfo
+from rtron.wire.address import bind_host, own_host
+
+log = logging.getLogger(__name__)
+
+_WORKERS = 16
+
+
+class Ros1Transport:
+    """Nodes, topics and a clock on ROS 1; everything happens in the loop's thread."""
+
+    def __init__(self, loop: Loop, master: str, host: str | None = None) -> None:
+        self._loop = loop
+        self._master = master
+        self._host = host or own_host()
+        self._nodes: dict[str, Node] = {}
+        self._publications: dict[str, Publication] = {}
+        self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="publisher")
+        self._server = TcpServer(loop, bind_host(self._host), self._accepted)
+        self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()))
+        self.killed: Callable[[str, str], None] = lambda node, reason: None
+        self.now = loop.now
+        self.call_at = loop.call_at
+
+    def advertise(
+        self, node: str, topic: str, type: str, *, queue_size: int = 100, await_first: bool = False
+    ) -> Output:
+        """Publish `topic` as `node`; see `Transport`."""
+        publication = _Announced(
+            node, topic, type, self.now, queue_size=queue_size, await_first=await_first
+        )
+        owner = self._node(node)
+        owner.publications[topic] = self._publications[topic] = publication
+        publication.typed = lambda: self._registrar.publish(owner, topic)
+        self._registrar.publish(owner, topic)
+        return publication
+
+    def subscribe(self, node: str, topic: str, type: str, connect: Connect) -> None:
+        """Subscribe `topic` as `node`; see `Transport`."""
+        wish = Wish(node, topic, type, self._master)
+        link = start(self._loop, self._workers, wish, connect)
+        self._subscribe(node, Subscription(topic, type, link))
+
+    def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
+        """Show two nodes of ours as connected; see `Transport`."""
+        output = self.advertise(publisher, topic, type)
+        wish = Wish(subscriber, topic, type, self._master)
+        link = start(self._loop, self._workers, wish, lambda peer: None)
+        self._subscribe(subscriber, Subscription(topic, type, link, joined=True))
+        return output
+
+    def remove(self, name: str) -> None:
+        """Take a node out of the graph."""
+        node = self._nodes.pop(name, None)
+        if node:
+            self._registrar.leave(node)
+            for topic in node.publications:
+                self._publications.pop(topic, None)
+            node.close()
+
+    def dropped(self) -> int:
+        """Return how many messages slow subscribers have missed."""
+        return sum(link.dropped for p in self._publications.values() for link in p.links)
+
+    def close(self) -> None:
+        """Unregister everything and close every connection."""
+        for name in list(self._nodes):
+            self.remove(name)
+        self._server.close()
+        self._workers.shutdown(wait=False, cancel_futures=True)
+        self._registrar.close()
+
+    def _node(self, name: str) -> Node:
+        if name not in self._nodes:
+            node = Node(self._loop, name, self._host, self._master)
+            node.tcpros = (self._host, self._server.port)
+            node.updated = lambda topic: self._registrar.subscribe(node, topic)
+            node.killed = lambda reason: self.killed(name, reason)
+            self._nodes[name] = node
+        return self._nodes[name]
+
+    def _subscribe(self, name: str, subscription: Subscription) -> None:
+        node = self._node(name)
+        node.subscriptions[subscription.topic] = subscription
+        self._registrar.subscribe(node, subscription.topic)
+
+    def _accepted(self, sock: socket.socket) -> None:
+        SubscriberLink(self._loop, sock, self._opened)
+
+    def _opened(self, link: SubscriberLink, fields: dict[str, str]) -> None:
+        publication = self._publications.get(fields.get("topic", ""))
+        if publication is None:
+            link.refuse(f"the guard does not publish {fields.get('topic', '')!r}")
+        else:
+            publication.admit(link, fields)
+
+
+class _Announced(Publication):
+    """A publication that is registered once its type is known."""
+
+    typed: Callable[[], None]
+
+    def learn(self, info: TypeInfo) -> bool:
+        waiting = not self.type
+        agreed = super().learn(info)
+        if waiting and agreed:
+            self.typed()
+        return agreed
