@@ -72,7 +72,8 @@ class Node:
             self._server.register_function(_always(value), method)
         self._server.register_function(self._publisher_update, "publisherUpdate")
 
-    def _publisher_update(self, _caller: str, topic: str, publishers: list[str]) -> Answer:
+    def _publisher_update(self, *params: Any) -> Answer:  # noqa: ANN401 - as called by the master
+        _, topic, publishers = params
         self._updated[topic](publishers)
         return [1, "", 0]
 

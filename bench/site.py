@@ -87,7 +87,6 @@ def _environ(folder: Path, port: int) -> dict[str, str]:
         "ROS_HOSTNAME": "localhost",
         "ROS_HOME": str(folder),
         "ROS_LOG_DIR": str(folder),
-        "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), *sys.path[1:]]),
     }
 
 
@@ -101,10 +100,12 @@ def _free_port() -> int:
 def _wait_for(port: int) -> None:
     deadline = time.monotonic() + _START_S
     while time.monotonic() < deadline:
-        try:
-            socket.create_connection(("127.0.0.1", port), 1.0).close()
-        except OSError:
-            time.sleep(0.05)
-        else:
+        if _listens(port):
             return
+        time.sleep(0.05)
     raise TimeoutError("the ROS master does not start")
+
+
+def _listens(port: int) -> bool:
+    with socket.socket() as sock:
+        return sock.connect_ex(("127.0.0.1", port)) == 0

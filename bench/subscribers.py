@@ -40,10 +40,13 @@ class Subscribers:
             fresh = [uri for uri in uris if (topic, uri) not in self._known]
             self._known.update((topic, uri) for uri in fresh)
         for uri in fresh:
-            try:
-                self._connected(topic, self._connect(topic, uri))
-            except (OSError, RTronError) as error:
-                print(f"{topic} from {uri}: {error}", file=sys.stderr)
+            self._try(topic, uri)
+
+    def _try(self, topic: str, uri: str) -> None:
+        try:
+            self._connected(topic, self._connect(topic, uri))
+        except (OSError, RTronError) as error:
+            print(f"{topic} from {uri}: {error}", file=sys.stderr)
 
     def _connect(self, topic: str, uri: str) -> socket.socket:
         wanted = [["TCPROS"]]
@@ -53,7 +56,7 @@ class Subscribers:
         answer = read_header(sock)
         if "error" in answer:
             raise ConnectionError(answer["error"])
-        sock.setblocking(False)
+        sock.settimeout(0)
         return sock
 
     def _header(self, topic: str) -> dict[str, str]:

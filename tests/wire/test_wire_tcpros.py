@@ -74,17 +74,11 @@ def test_an_announced_length_takes_no_memory():
     assert reader.missing == MAX_FRAME - 1
 
 
-def test_frames_before_a_broken_one_still_arrive():
-    reader = FrameReader(8)
-    assert reader.feed(framed(b"good") + LENGTH.pack(9)) == [framed(b"good")]
-    with pytest.raises(WireError, match="the limit is 8"):
-        reader.feed(b"")
-
-
 def test_a_refusal_that_is_kept_does_not_lock_the_reader():
     reader = FrameReader(8)
+    reader.feed(LENGTH.pack(9)[:2])
     with pytest.raises(WireError) as first:
-        reader.feed(LENGTH.pack(9) + b"x")
+        reader.feed(LENGTH.pack(9)[2:])
     with pytest.raises(WireError) as second:
         reader.feed(b"x")
     assert str(first.value) == str(second.value)

@@ -193,16 +193,20 @@ def test_the_last_byte_of_the_body_is_enough():
 
 @pytest.mark.parametrize("status", [0, -1])
 def test_a_refusal_is_a_source_error(status):
-    with peer(http(encode_response([status, "no", 0]))) as uri:
-        with pytest.raises(SourceError, match="getPid at .*: no"):
-            ros_call(uri, "getPid", timeout=5)
+    with (
+        peer(http(encode_response([status, "no", 0]))) as uri,
+        pytest.raises(SourceError, match=r"getPid at .*: no"),
+    ):
+        ros_call(uri, "getPid", timeout=5)
 
 
 @pytest.mark.parametrize("value", [7, [], [1, "ok"], [1, "ok", 0, 0], {"a": 1}])
 def test_an_answer_that_is_no_triple_is_a_wire_error(value):
-    with peer(http(encode_response(value))) as uri:
-        with pytest.raises(WireError, match=r"not \[code, message, value\]"):
-            ros_call(uri, "getPid", timeout=5)
+    with (
+        peer(http(encode_response(value))) as uri,
+        pytest.raises(WireError, match=r"not \[code, message, value\]"),
+    ):
+        ros_call(uri, "getPid", timeout=5)
 
 
 @pytest.mark.parametrize(
@@ -225,9 +229,11 @@ def test_whatever_is_not_the_protocol_is_a_wire_error(answer):
 
 def test_an_endless_answer_is_cut_off():
     head = b"HTTP/1.1 200 OK\r\nContent-Length: 99999999999\r\n\r\n"
-    with peer(head + b" " * (MAX_BODY + 1), keep_open=True) as uri:
-        with pytest.raises(WireError, match="longer than"):
-            call(uri, "getPid", timeout=20)
+    with (
+        peer(head + b" " * (MAX_BODY + 1), keep_open=True) as uri,
+        pytest.raises(WireError, match="longer than"),
+    ):
+        call(uri, "getPid", timeout=20)
 
 
 def test_a_peer_that_says_nothing_is_a_source_error_in_time():

@@ -70,33 +70,20 @@ class FrameReader:
         """How many bytes the frame that has begun still lacks, as far as that is known."""
 
     def feed(self, data: bytes) -> list[bytes]:
-        """Take what arrived; return the frames that are complete, each prefix included.
-
-        A length over the limit is a WireError, but only after the frames before it were returned:
-        the next call raises it.
-        """
+        """Take what arrived; return the frames that are complete, each prefix included."""
         if not self._buffer and self._is_one_frame(data):
             return [data]
-        self._buffer += data
-        frames: list[bytes] = []
-        try:
-            at = self._cut(frames)
-        except WireError:
-            if not frames:
-                raise
-            at = sum(map(len, frames))
-        if at:
-            del self._buffer[:at]
-        return frames
-
-    def _cut(self, frames: list[bytes]) -> int:
-        """Append the frames that are complete; return where the rest begins."""
+        buffer = self._buffer
+        buffer += data
+        frames = []
         at = 0
-        while (end := self._end(at)) and end <= len(self._buffer):
-            frames.append(bytes(memoryview(self._buffer)[at:end]))
+        while (end := self._end(at)) and end <= len(buffer):
+            frames.append(bytes(memoryview(buffer)[at:end]))
             at = end
-        self.missing = max(0, end - len(self._buffer))
-        return at
+        self.missing = max(0, end - len(buffer))
+        if at:
+            del buffer[:at]
+        return frames
 
     def _is_one_frame(self, data: bytes) -> bool:
         prefixed = len(data) >= LENGTH.size

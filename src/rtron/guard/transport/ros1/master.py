@@ -7,6 +7,7 @@ how a registration that somebody took back returns, and how a missed update is m
 import logging
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 from rtron.errors import RTronError
 from rtron.guard.transport.ros1.loop import Loop
@@ -96,11 +97,14 @@ class Registrar:
         self._note(lost=pid is None)
         self._round += 1
         if isinstance(pid, int) and (pid != self._pid or self._round % _EVERY == 0):
-            self._pid = pid
-            self._loop.post(self._register_all)
+            restarted, self._pid = self._pid not in (0, pid), pid
+            self._loop.post(partial(self._register_all, restarted=restarted))
 
-    def _register_all(self) -> None:
+    def _register_all(self, *, restarted: bool) -> None:
         for node in self._nodes():
+            if restarted:
+                for subscription in node.subscriptions.values():
+                    subscription.outlive_master()
             self.everything(node)
 
     def _note(self, *, lost: bool) -> None:

@@ -36,6 +36,7 @@ class PublisherLink:
         self._retry_s = _FIRST_RETRY_S
         self._said = ""
         self.is_closed = False
+        self.outlived = False
         self.node = ""
         self.received = self.received_bytes = 0
         self._dial()
@@ -101,6 +102,7 @@ class PublisherLink:
             self._loop.forget(sock)
 
     def _try_later(self, why: str) -> None:
+        self.is_closed = self.is_closed or self.outlived
         if self.is_closed:
             return
         if why != self._said:

@@ -1,0 +1,68 @@
+"""`python -m bench [PART ...]`: measure all parts, or those that are named."""
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from bench import chain, discovery, hop, load, memory, policies
+from bench.figure import Figure, Part
+from bench.site import ROOT, Site, site
+from bench.table import number, table, write
+
+PARTS: dict[str, Part] = {
+    "policies": policies.figures,
+    "discovery": discovery.figures,
+    "hop": hop.figures,
+    "chain": chain.figures,
+    "load": load.figures,
+    "memory": memory.figures,
+}
+OUTPUT = ROOT / "build" / "bench.json"
+
+
+def main() -> None:
+    """Measure, write the JSON, print the table."""
+    chosen = _arguments().parts
+    console = Console(width=None if sys.stdout.isatty() else 110)
+    found: list[Figure] = []
+    with site() as here, _progress(console) as progress:
+        for figure in _measure(here, chosen or list(PARTS), progress):
+            found.append(figure)
+            console.print(f"{figure.name}: {number(figure.ours)} {figure.unit}")
+            write(found, OUTPUT, keep=bool(chosen))
+    console.print(table(found))
+    console.print(f"written to {OUTPUT.relative_to(ROOT)}")
+
+
+def _measure(here: Site, names: Sequence[str], progress: Progress) -> Iterator[Figure]:
+    task = progress.add_task("", total=len(names))
+    for name in names:
+
+        def say(what: str, name: str = name) -> None:
+            progress.update(task, description=f"{name}: {what}")
+
+        yield from PARTS[name](here, say)
+        progress.advance(task)
+
+
+def _progress(console: Console) -> Progress:
+    description = TextColumn("{task.description}")
+    return Progress(
+        description, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), console=console
+    )
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    args = parser.parse_args()
+    if unknown := set(args.parts) - set(PARTS):
+        parser.error(f"no such part: {', '.join(sorted(unknown))}")
+    return args
+
+
+if __name__ == "__main__":
+    main()

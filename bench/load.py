@@ -1,0 +1,52 @@
+"""Whether all arrives: 5,000 Twist/s over 20 flows, and apart from it 6 MB images at 30 Hz."""
+
+from collections.abc import Iterator
+
+from bench.figure import Figure, Say
+from bench.plans import grcn
+from bench.pubsub import Load, Run, run
+from bench.quantiles import p99
+from bench.settings import LOAD_SECONDS
+from bench.site import Site
+from bench.way import PUBLISHER, Way, guard, relay, relays_beside
+
+FLOWS = 20
+_TWISTS = Load(5000 * LOAD_SECONDS, 5000)
+_IMAGES = Load(30 * LOAD_SECONDS, 30, message="image")
+
+
+def figures(here: Site, say: Say) -> Iterator[Figure]:
+    """Give loss, order and p99 of each load."""
+    topics = guard(*(grcn(f"/cmd_vel_{index}", [PUBLISHER]) for index in range(FLOWS)))
+    images = guard(grcn("/image", [PUBLISHER], "sensor_msgs/Image"))
+    yield from _compared(here, say, "twists", _TWISTS, (topics, relays_beside(FLOWS)))
+    yield from _highest(here, say)
+    yield from _compared(here, say, "images", _IMAGES, (images, relay()))
+
+
+def _compared(
+    here: Site, say: Say, name: str, load: Load, ways: tuple[Way, Way]
+) -> Iterator[Figure]:
+    ours, peer = (_run(here, say, name, way, load) for way in ways)
+    unit = f"messages of {load.count}"
+    yield Figure(f"load.{name}_lost", ours.lost, peer.lost, unit, 0)
+    yield Figure(f"load.{name}_disordered", ours.disordered, peer.disordered, unit, 0)
+    yield Figure(f"load.{name}_p99", p99([ours]), p99([peer]), "us")
+    yield Figure(f"load.{name}_generator_late", ours.late_ms, peer.late_ms, "ms at most")
+
+
+def _highest(here: Site, say: Say) -> Iterator[Figure]:
+    """Give the loss of the highest of 20 flows on one topic, and what of the others passed."""
+    way = guard(grcn("/cmd_vel", [f"{PUBLISHER}_{index}" for index in range(FLOWS)]))
+    load = Load(_TWISTS.count, _TWISTS.rate, expected=_TWISTS.count // FLOWS)
+    came = _run(here, say, "one topic", way, load)
+    passed = sum(sequence % FLOWS == 0 for sequence in came.sequences)
+    unit = f"messages of {load.arriving}"
+    yield Figure("load.highest_flow_lost", load.arriving - passed, None, unit, 0)
+    others = len(came.sequences) - passed
+    yield Figure("load.lower_flows_passed", others, None, f"messages of {load.count}", 0)
+
+
+def _run(here: Site, say: Say, name: str, way: Way, load: Load) -> Run:
+    say(f"{name} through {way.name}, {load.count // load.rate} s")
+    return run(here, way, load)

@@ -1,0 +1,94 @@
+"""A middleware in memory: the guard as it is, with a clock that only `advance` moves."""
+
+import heapq
+from collections import defaultdict
+from collections.abc import Callable
+from itertools import count
+
+from rtron.guard.transport.transport import Connect, Output, Peer, Receive, TypeInfo
+
+
+class MemoryTransport:
+    """Topics as lists; outside nodes speak with `publisher` and listen with `listen`."""
+
+    def __init__(self) -> None:
+        self._time = 0
+        self._order = count()
+        self._timers: list[tuple[int, int, Callable[[], None]]] = []
+        self._connects: dict[str, list[Connect]] = defaultdict(list)
+        self._heard: dict[str, list[list[bytes]]] = defaultdict(list)
+        self.outputs: dict[str, MemoryOutput] = {}
+
+    def now(self) -> int:
+        """Return the time of the memory's clock, ns."""
+        return self._time
+
+    def call_at(self, when: int, callback: Callable[[], None]) -> None:
+        """Call back once when `advance` reaches `when` (ns)."""
+        heapq.heappush(self._timers, (when, next(self._order), callback))
+
+    def advance(self, duration: int) -> None:
+        """Let `duration` (ns) pass, timers included, in order."""
+        end = self._time + duration
+        while self._timers and self._timers[0][0] <= end:
+            when, _, callback = heapq.heappop(self._timers)
+            self._time = max(self._time, when)
+            callback()
+        self._time = end
+
+    def advertise(
+        self, node: str, topic: str, type: str, *, queue_size: int = 100, await_first: bool = False
+    ) -> Output:
+        """Publish `topic` as `node`; nothing waits here, so `queue_size` bounds nothing."""
+        del node, queue_size, await_first
+        self.outputs[topic] = MemoryOutput(type, self._heard[topic])
+        return self.outputs[topic]
+
+    def subscribe(self, node: str, topic: str, type: str, connect: Connect) -> None:
+        """Subscribe `topic`; outside publishers that come later are offered to `connect`."""
+        del node, type
+        self._connects[topic].append(connect)
+
+    def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
+        """Connect two nodes of the guard; what passes can be listened to."""
+        del subscriber
+        return self.advertise(publisher, topic, type)
+
+    def publisher(self, topic: str, peer: Peer) -> Receive:
+        """Connect an outside publisher and return what it speaks into."""
+        receivers = [r for connect in self._connects[topic] if (r := connect(peer)) is not None]
+
+        def say(message: bytes) -> None:
+            for receive in receivers:
+                receive(message)
+
+        return say
+
+    def listen(self, topic: str) -> list[bytes]:
+        """Return a list that fills with what the guard publishes on `topic`, latched first."""
+        heard = list(self.outputs[topic].latched.values()) if topic in self.outputs else []
+        self._heard[topic].append(heard)
+        return heard
+
+
+class MemoryOutput:
+    """A topic of the guard: every listener's list gets every message."""
+
+    def __init__(self, type: str, listeners: list[list[bytes]]) -> None:
+        self.type = type
+        self.info: TypeInfo | None = None
+        self.latched: dict[str, bytes] = {}
+        self._listeners = listeners
+
+    def learn(self, info: TypeInfo) -> bool:
+        """Take the first type that fits; False for any other."""
+        if self.info is None and self.type in ("", info.type):
+            self.info = info
+        return self.info == info
+
+    def publish(self, message: bytes, latched_by: str | None = None) -> None:
+        """Hand the message to every listener; keep it for late ones."""
+        if latched_by is not None:
+            self.latched[latched_by] = message
+        for heard in self._listeners:
+            heard.append(message)

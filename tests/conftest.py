@@ -1,0 +1,16 @@
+"""What tests of every folder use."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).parent / "ros1"))
+from harness import Ros1
+
+
+@pytest.fixture
+def ros1(tmp_path):
+    """Run a master of the test's own."""
+    with Ros1(tmp_path) as running:
+        yield running

@@ -1,0 +1,202 @@
+"""A ROS 1 of the test's own: a master, processes, and questions about who is connected to whom."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+from rtron.errors import RTronError
+from rtron.wire.xmlrpc import ros_call
+
+HERE = Path(__file__).parent
+NODES = HERE / "nodes"
+ROS_PYTHON = "/usr/bin/python3"
+LIMIT_S = 30.0
+GRACE_S = 20.0
+CALL_S = 3.0
+_PAUSE_S = 0.02
+
+
+class TooLateError(AssertionError):
+    """What was waited for did not come."""
+
+
+def wait_for(condition, limit_s=LIMIT_S, what="the condition"):
+    """Return what `condition()` gives once it is true; the only place that waits."""
+    deadline, pause = time.monotonic() + limit_s, threading.Event()
+    while not (found := condition()):
+        if time.monotonic() > deadline:
+            raise TooLateError(f"{what}: not within {limit_s:g} s")
+        pause.wait(_PAUSE_S)
+    return found
+
+
+def free_port():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+class Process:
+    """A process with a group of its own, and what it says in a file."""
+
+    def __init__(self, command, environ, log):
+        self.log_path = log
+        with log.open("wb") as output:
+            self._popen = subprocess.Popen(
+                [str(word) for word in command],
+                env=environ,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        self.pid = self._popen.pid
+
+    @property
+    def log(self):
+        return self.log_path.read_text(errors="replace")
+
+    @property
+    def ended(self):
+        return self._popen.poll() is not None
+
+    @property
+    def code(self):
+        return self._popen.poll()
+
+    def tell(self, number):
+        """Send a signal to the whole group, as a terminal does; nothing if it has ended."""
+        if not self.ended:
+            os.killpg(self.pid, number)
+
+    def stop(self, number=signal.SIGINT):
+        """End the process, with force once its grace is over."""
+        self.tell(number)
+        try:
+            self._popen.wait(GRACE_S)
+        except subprocess.TimeoutExpired:
+            self.tell(signal.SIGKILL)
+            self._popen.wait()
+
+    def kill(self):
+        """End the process without a word to the master."""
+        self.stop(signal.SIGKILL)
+
+
+class Ros1:
+    """A master and the processes started beside it; all of them end with the context."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.uri = f"http://localhost:{free_port()}"
+        kept = {name: text for name, text in os.environ.items() if not name.startswith("ROS_")}
+        self.environ = kept | {
+            "ROS_MASTER_URI": self.uri,
+            "ROS_HOSTNAME": "localhost",
+            "ROS_HOME": str(folder / "ros_home"),
+            "ROS_LOG_DIR": str(folder / "ros_log"),
+            "ROS_PACKAGE_PATH": str(folder),
+            "PYTHONUNBUFFERED": "1",
+            "PYTHONPATH": "",
+        }
+        self._processes = []
+
+    def __enter__(self):
+        (self.folder / "ros_log").mkdir(parents=True, exist_ok=True)
+        try:
+            self.start_master()
+        except BaseException:
+            self._end()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        self._end()
+
+    def start_master(self):
+        """Start a master on the test's port, again if it was killed."""
+        self.master = self.spawn("rosmaster", "--core", "-p", self.uri.rpartition(":")[2])
+        wait_for(lambda: self.ask(self.uri, "getPid") is not None, what="the master")
+
+    def _end(self):
+        master, *others = self._processes
+        for process in others:
+            process.tell(signal.SIGINT)
+        for process in [*others, master]:
+            process.stop()
+
+    def spawn(self, *command, **environ):
+        """Start a command; what it says goes to a file that its `log` gives."""
+        log = self.folder / f"{len(self._processes)}_{Path(command[0]).name}.log"
+        process = Process(command, self.environ | environ, log)
+        self._processes.append(process)
+        return process
+
+    def node(self, script, name, *arguments):
+        """Start a node of tests/ros1/nodes under a full name, with arguments and remaps."""
+        return self.spawn(ROS_PYTHON, NODES / script, *arguments, *named(name))
+
+    def rtron(self, *arguments):
+        """Start `rtron` with the Python of the tests."""
+        return self.spawn(sys.executable, "-m", "rtron", *arguments)
+
+    def run(self, *command, limit_s=LIMIT_S):
+        """Run a command to its end and return what it said."""
+        process = self.spawn(*command)
+        wait_for(lambda: process.ended, limit_s, " ".join(map(str, command)))
+        return process.log
+
+    def ask(self, uri, method, *params):
+        """Call a ROS API; None when there is no answer or it is no."""
+        try:
+            return ros_call(uri, method, "/test", *params, timeout=CALL_S)
+        except RTronError:
+            return None
+
+    def state(self):
+        """Return publishers, subscribers and services: each a mapping of names to node names."""
+        sides = self.ask(self.uri, "getSystemState") or ([], [], [])
+        return [{name: set(nodes) for name, nodes in side} for side in sides]
+
+    def publishers(self, topic):
+        return self.state()[0].get(topic, set())
+
+    def subscribers(self, topic):
+        return self.state()[1].get(topic, set())
+
+    def uri_of(self, node):
+        """Return a node's address; None if the master does not know it."""
+        return self.ask(self.uri, "lookupNode", node)
+
+    def has(self, *nodes):
+        """Tell whether every one of the nodes answers."""
+        return all((uri := self.uri_of(node)) and self.ask(uri, "getPid") for node in nodes)
+
+    def wait_for_nodes(self, *nodes):
+        wait_for(lambda: self.has(*nodes), what=f"nodes {', '.join(nodes)}")
+
+    def connected(self, publisher, subscriber, topic):
+        """Tell whether a publisher has a connection to a subscriber."""
+        rows = self.ask(self.uri_of(publisher), "getBusInfo") or []
+        return any(row[1] == subscriber and row[4] == topic for row in rows)
+
+    def sent(self, node, topic):
+        """Return how many messages a node has sent on a topic to those now connected."""
+        stats = self.ask(self.uri_of(node), "getBusStats") or [[]]
+        return sum(link[2] for row in stats[0] if row[0] == topic for link in row[2])
+
+    def received(self, node, topic):
+        """Return how many messages a node has received on a topic."""
+        stats = self.ask(self.uri_of(node), "getBusStats") or [[], []]
+        return sum(link[2] for row in stats[1] if row[0] == topic for link in row[1])
+
+
+def named(name):
+    """Return the arguments that give a node its full name."""
+    namespace, _, last = name.rpartition("/")
+    return (f"__name:={last}", f"__ns:={namespace or '/'}")

@@ -1,0 +1,38 @@
+#!/usr/bin/python3
+"""Navigates: counts up in linear.x at 10 Hz, the first as soon as somebody is connected."""
+
+from contextlib import suppress
+
+import rospy
+from geometry_msgs.msg import Twist
+
+
+class Connected(rospy.SubscribeListener):
+    """Keeps whether anybody has connected yet."""
+
+    def __init__(self):
+        self.yet = False
+
+    def peer_subscribe(self, topic_name, topic_publish, peer_publish):
+        self.yet = True
+
+
+def main():
+    rospy.init_node("nav")
+    connected = Connected()
+    publisher = rospy.Publisher(
+        "/cmd_vel", Twist, subscriber_listener=connected, queue_size=100, tcp_nodelay=True
+    )
+    look = rospy.Rate(200)
+    while not connected.yet and not rospy.is_shutdown():
+        look.sleep()
+    rate, message = rospy.Rate(10), Twist()
+    while not rospy.is_shutdown():
+        publisher.publish(message)
+        message.linear.x += 1
+        rate.sleep()
+
+
+if __name__ == "__main__":
+    with suppress(rospy.ROSInterruptException):
+        main()
