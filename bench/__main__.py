@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -25,16 +26,17 @@ OUTPUT = ROOT / "build" / "bench.json"
 
 def main() -> None:
     """Measure, write the JSON, print the table."""
-    chosen = _arguments().parts
+    args = _arguments()
+    chosen, output = args.parts, args.output
     console = Console(width=None if sys.stdout.isatty() else 110)
     found: list[Figure] = []
     with site() as here, _progress(console) as progress:
         for figure in _measure(here, chosen or list(PARTS), progress):
             found.append(figure)
             console.print(f"{figure.name}: {number(figure.ours)} {figure.unit}")
-            write(found, OUTPUT, keep=bool(chosen))
+            write(found, output, keep=bool(chosen))
     console.print(table(found))
-    console.print(f"written to {OUTPUT.relative_to(ROOT)}")
+    console.print(f"written to {output}")
 
 
 def _measure(here: Site, names: Sequence[str], progress: Progress) -> Iterator[Figure]:
@@ -58,6 +60,7 @@ def _progress(console: Console) -> Progress:
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("-o", "--output", type=Path, default=OUTPUT, help="the JSON file")
     args = parser.parse_args()
     if unknown := set(args.parts) - set(PARTS):
         parser.error(f"no such part: {', '.join(sorted(unknown))}")

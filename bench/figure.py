@@ -24,8 +24,10 @@ class Figure:
 
     @property
     def ratio(self) -> float | None:
-        """Return ours / peer, None where there is no positive peer."""
-        return self.ours / self.peer if self.peer and self.peer > 0 else None
+        """Return ours / peer; None without a peer, or where noise made a difference negative."""
+        if self.peer is None or self.peer <= 0 or self.ours < 0:
+            return None
+        return self.ours / self.peer
 
     @property
     def met(self) -> bool | None:

@@ -5,6 +5,7 @@ import subprocess
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from typing import Any
 
 from bench.figure import Say
 from bench.site import Site, complaints, end, python, start
@@ -53,8 +54,8 @@ def run(here: Site, way: Way, load: Load) -> Run:
         receiver = _started(here, stack, _receiver(way, load))
         generator = _started(here, stack, _generator(way, load))
         _expect_ready(here, way, receiver)
-        sent = json.loads(_say(generator, "go"))
-        came = json.loads(_say(receiver, "the end"))
+        sent = _result(here, way, _say(generator, "go"))
+        came = _result(here, way, _say(receiver, "the end"))
         _finish(generator)
     return Run(
         latencies_ns=tuple(came["latencies_ns"]),
@@ -111,6 +112,13 @@ def _say(process: subprocess.Popen[str], line: str) -> str:
     except BrokenPipeError:
         pass  # a receiver that has all it waits for does not listen any more
     return process.stdout.readline()
+
+
+def _result(here: Site, way: Way, line: str) -> dict[str, Any]:
+    if not line:
+        raise TimeoutError(f"{way.name}: a process gave up\n{complaints(here)}")
+    result: dict[str, Any] = json.loads(line)
+    return result
 
 
 def _finish(process: subprocess.Popen[str]) -> None:

@@ -1,5 +1,6 @@
 """Medians and percentiles over all runs, in microseconds."""
 
+import statistics
 from collections.abc import Iterable, Sequence
 
 from bench.pubsub import Run
@@ -26,3 +27,8 @@ def median(runs: Iterable[Run]) -> float:
 def p99(runs: Iterable[Run]) -> float:
     """Return the latency that one message of a hundred exceeds, us."""
     return quantile(pooled(runs), 0.99)
+
+
+def typical_p99(runs: Iterable[Run]) -> float:
+    """Return the median over the runs of each one's p99, us: one disturbed run does not show."""
+    return statistics.median(p99([run]) for run in runs)

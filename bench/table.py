@@ -34,7 +34,7 @@ def number(value: float | None) -> str:
 def write(figures: Sequence[Figure], path: Path, *, keep: bool) -> None:
     """Write the figures as JSON; `keep` those of other parts that the file has."""
     old = json.loads(path.read_text()) if keep and path.exists() else {}
-    path.parent.mkdir(exist_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
     new = old | {figure.name: figure.as_json() for figure in figures}
     path.write_text(json.dumps(new, indent=2) + "\n")
 

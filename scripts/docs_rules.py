@@ -7,30 +7,45 @@ import argparse
 import sys
 from pathlib import Path
 
-from rtron.risks import RULES, explain, severity
+from rtron.risks import RULES, Rule, explain, severity
+from rtron.risks.list_file import TABLES, WORD_LISTS
 
 PAGES = Path(__file__).parent.parent / "docs" / "rules"
 
 
+INDEX = """\
+# Rules
+
+What `rtron scan` looks for, one page a rule; `rtron explain <rule>` prints the page.
+
+| rule | kind | what it finds | severity |
+|---|---|---|---|
+{rules}
+
+## Your own words
+
+`rtron scan --lists FILE` adds your words to ours. A file may have any of these lists;
+`src/rtron/risks/data/` shows each with its words:
+
+{lists}
+
+## Severity
+
+{severity}
+"""
+
+
 def index() -> str:
     """Return the index of the rules in Markdown."""
-    rows = [f"| [{r.name}]({r.name}.md) | {r.kind} | {r.title} | {r.severity} |" for r in RULES]
-    return "\n".join(
-        [
-            "# Rules",
-            "",
-            "What `rtron scan` looks for, one page a rule; `rtron explain <rule>` prints the page.",
-            "",
-            "| rule | kind | what it finds | severity |",
-            "|---|---|---|---|",
-            *rows,
-            "",
-            "## Severity",
-            "",
-            (severity.__doc__ or "").strip(),
-            "",
-        ]
+    return INDEX.format(
+        rules="\n".join(map(_row, RULES)),
+        lists="\n".join(f"- `{name}`" for name in (*WORD_LISTS, *TABLES)),
+        severity=(severity.__doc__ or "").strip(),
     )
+
+
+def _row(rule: Rule) -> str:
+    return f"| [{rule.name}]({rule.name}.md) | {rule.kind} | {rule.title} | {rule.severity} |"
 
 
 def stale(pages: Path) -> dict[Path, str]:

@@ -76,12 +76,16 @@ make_venv() {
   if [ "$(cat "$READY" 2>/dev/null)" = "$(wanted_state)" ]; then
     return
   fi
-  local python
-  python=$(find_python)
-  echo "setup: making .venv with $("$python" --version)"
-  "$python" -m venv --clear .venv
-  .venv/bin/python -m pip install -q --disable-pip-version-check -r requirements.lock
-  .venv/bin/python -m pip install -q --disable-pip-version-check --no-deps -e .
+  if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
+    local python
+    python=$(find_python)
+    echo "setup: making .venv with $("$python" --version)"
+    "$python" -m venv --clear .venv
+  fi
+  echo "setup: installing what requirements.lock names"
+  local install=(.venv/bin/python -m pip install -qq --disable-pip-version-check)
+  "${install[@]}" -r requirements.lock
+  "${install[@]}" --no-deps -e .
   wanted_state >"$READY"
 }
 

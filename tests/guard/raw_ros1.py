@@ -5,6 +5,8 @@ import struct
 import threading
 from xmlrpc.server import SimpleXMLRPCServer
 
+from typing_extensions import Self
+
 from rtron.wire.tcpros import FrameReader, decode_header, encode_header
 from rtron.wire.xmlrpc import ros_call
 
@@ -35,7 +37,7 @@ class RawSubscriber:
         self._reader = FrameReader()
         self._frames: list[bytes] = []
 
-    def __enter__(self) -> "RawSubscriber":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -70,7 +72,7 @@ class RawPublisher:
             threading.Thread(target=work, daemon=True).start()
         ros_call(master, "registerPublisher", name, topic, TWIST, self.uri, timeout=LIMIT_S)
 
-    def __enter__(self) -> "RawPublisher":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

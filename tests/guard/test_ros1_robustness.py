@@ -14,7 +14,8 @@ from rtron.wire.xmlrpc import ros_call
 
 pytestmark = pytest.mark.ros1
 
-NODE, OUT, NAV = "/rtron/grcn_cmd_vel", "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1"
+NODE, OUT = "/rtron/grcn_cmd_vel", "/rtron/cmd_vel/out"
+NAV, FLOW2 = "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/flow2"
 PLAN = """\
 schema: rtron.plan/1
 app: robustness
@@ -72,8 +73,7 @@ class Guarded:
         return subscriber
 
     def nav(self, **header):
-        publisher = RawPublisher(self._ros1.uri, "/nav", NAV, **header)
-        return publisher
+        return RawPublisher(self._ros1.uri, "/nav", NAV, **header)
 
 
 @pytest.fixture
@@ -124,12 +124,12 @@ def test_a_hostile_slave_call_is_answered_or_closed_and_harms_nobody(guard):
     ],
 )
 def test_a_publisher_that_lies_is_not_let_through(guard, header, data):
-    with guard.subscribe() as driver:
-        with RawPublisher(guard._ros1.uri, "/liar", NAV, **header) as liar:
-            wait_for(lambda: liar.connections, what="the guard's connection")
-            liar.connections[-1].sendall(data)
-            with guard.nav() as nav:
-                passes(guard, nav, driver, 1)
+    liar = RawPublisher(guard._ros1.uri, "/liar", NAV, **header)
+    with guard.subscribe() as driver, liar:
+        wait_for(lambda: liar.connections, what="the guard's connection")
+        liar.connections[-1].sendall(data)
+        with guard.nav() as nav:
+            passes(guard, nav, driver, 1)
     assert not guard.process.ended
 
 
@@ -189,3 +189,12 @@ def test_the_guard_takes_back_its_registrations(ros1, guard, number):
     state = ros_call(ros1.uri, "getSystemState", "/test", timeout=3)
     assert [node for kind in state for _, nodes in kind for node in nodes] == []
     assert "Traceback" not in guard.process.log
+
+
+def test_the_type_is_the_drivers_not_the_first_publishers(guard):
+    liar = RawPublisher(guard._ros1.uri, "/teleop", FLOW2, md5sum="0" * 32)
+    with guard.subscribe() as driver, liar:
+        wait_for(lambda: liar.connections, what="the guard's connection")
+        liar.connections[-1].sendall(twist(666))
+        with guard.nav() as nav:
+            passes(guard, nav, driver, 1)

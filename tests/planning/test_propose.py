@@ -204,6 +204,18 @@ class TestOrder:
         order = [flow.publisher for flow in flows]
         assert order == ["/e_plans", "/f_serves", "/d_works", "/a_teleop", "/c_speaks", "/b_shows"]
 
+    def test_who_serves_an_action_is_known_by_its_five_topics_too(self):
+        text = shared("/cmd_vel", "geometry_msgs/Twist") + "/b b own\n server /drive p/Drive\n"
+        graph = replace(graph_of("app", text), actions=())
+        flows = grcn_of(plan_of(graph), "/cmd_vel").flows
+        assert [flow.publisher for flow in flows] == ["/b", "/a"]
+
+    def test_a_tool_that_only_shows_comes_last_whatever_it_hears(self):
+        text = shared("/x/goal", "geometry_msgs/Pose", "/a rviz own,/b mouse own")
+        graph = graph_of("app", text + "/a rviz own\n sub /scan p/T\n")
+        flows = grcn_of(plan_of(graph), "/x/goal").flows
+        assert [flow.publisher for flow in flows] == ["/b", "/a"]
+
     def test_a_node_that_the_graph_does_not_list_is_unknown(self):
         graph = graph_of(
             "app", shared("/cmd_vel", "geometry_msgs/Twist", "/a x own,/b x third_party")
@@ -260,8 +272,27 @@ class TestGuards:
         four = replace(graph, actions=(), topics=(), endpoints=ends)
         assert grcn_of(plan_of(four), "/move/goal").mode is Mode.ENFORCE
 
+    def test_an_image_of_what_is_recognised_times_best(self):
+        text = (
+            "/n n own\n sub /camera sensor_msgs/Image\n"
+            " pub /{a,detect,z}/image sensor_msgs/Image\n pub /detect/a p/T\n"
+        )
+        (monitor,) = plan_of(graph_of("app", text)).fps_monitor
+        assert monitor.topic == "/detect/image"
+        (monitor,) = plan_of(graph_of("app", text.replace("a,detect,z", "a,z"))).fps_monitor
+        assert monitor.topic == "/a/image"
+
 
 class TestNamesWithHoles:
+    def test_everything_that_is_left_out_is_told_in_order(self):
+        graph = graph_of("app", "".join(shared(f"/{x}", "geometry_msgs/Twist") for x in "dbca"))
+        ends = tuple(
+            replace(e, topic=f"{{p}}{e.topic}", node=f"{{n}}{e.node}") for e in graph.endpoints
+        )
+        graph = replace(graph, topics=(), endpoints=ends)
+        told = [problem.where for problem in left_out(graph, discover(graph))]
+        assert told == ["{p}/a", "{p}/b", "{p}/c", "{p}/d", "{n}/a", "{n}/b"]
+
     def test_a_topic_whose_name_is_not_known_is_left_out_and_told(self):
         graph = graph_of("app", shared("/x", "geometry_msgs/Twist"))
         ends = tuple(replace(e, topic="{prefix}/cmd_vel") for e in graph.endpoints)

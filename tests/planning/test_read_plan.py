@@ -253,6 +253,11 @@ def test_a_slip_is_told_with_its_line(old, new, line, fault):
     assert any(text.startswith(f"my.yaml:{line}: ") and fault in text for text in told), told
 
 
+def test_nothing_is_a_value_where_there_may_be_none():
+    text = swap("mode:", "done: null\n    mode:").replace("priority: 2", "priority: 2, timeout: ~")
+    assert parse_plan(text) == parse_plan(LEAST)
+
+
 def test_two_grcns_on_one_topic():
     again = LEAST.removeprefix("grcn:\n")
     told = faults(LEAST + again)

@@ -129,8 +129,8 @@ def test_a_fault_is_told_with_the_file_and_the_nearest_word(lists_file, text, me
 
 def test_a_syntax_error_has_its_line(lists_file):
     with pytest.raises(InputError) as caught:
-        load_lists(lists_file("event_msg_type: []\nb: ["))
-    assert caught.value.line >= 2
+        load_lists(lists_file("event_msg_type: []\n\nb: ]\n"))
+    assert caught.value.line == 3
 
 
 def test_a_file_that_cannot_be_read_is_an_input_error(tmp_path):

@@ -1,11 +1,12 @@
 """What each rule counts and what it leaves out, where text and algorithm leave doubt."""
 
+import gc
 from dataclasses import replace
 
 import pytest
 from notation import graph_of
 
-from rtron.risks import discover
+from rtron.risks import RULES, discover
 from rtron.vocabulary import (
     Action,
     ActionRole,
@@ -186,6 +187,17 @@ class TestMultipleTopics:
         text = "/n n own\n sub /detect/{a,b} std_msgs/Float64\n sub /max_vel std_msgs/Float64\n"
         assert found(text, "gr_mt")[0].domain is Domain.PERCEPTION
         assert found(text.replace("{a,b}", "a"), "gr_mt")[0].domain is Domain.CONTROL
+        text = "/n n own\n sub /{detect,chatter} std_msgs/Float64\n"
+        assert found(text, "gr_mt")[0].domain is Domain.PERCEPTION
+
+    def test_one_topic_that_matters_makes_it_severe(self):
+        text = "/g g third_party\n pub /goal p/T\n/n n own\n sub /{goal,other} p/T\n"
+        assert found(text, "gr_mt")[0].severity is Severity.HIGH
+
+    def test_a_crowd_of_publishers_is_named_in_part(self):
+        text = "".join(f"/n{i} n own\n pub /x p/T\n" for i in range(200))
+        (risk,) = found(text + "/s s own\n sub /{x,y} p/T\n", "gr_mt")
+        assert len(risk.role_nodes[Role.PUBLISHER]) == 100
 
 
 class TestImage:
@@ -215,6 +227,10 @@ class TestMaxVel:
         assert found(topic_pair("/my_max_vel_now", "std_msgs/msg/Float64"), "rsr_max_vel")
         assert not found(topic_pair("/max_velocity", "std_msgs/Float32"), "rsr_max_vel")
         assert not found(topic_pair("/maximum", "std_msgs/Float64"), "rsr_max_vel")
+
+    def test_one_type_that_fits_is_enough(self):
+        text = topic_pair("/max_vel", "std_msgs/Float32").replace("Float32", "Float64", 1)
+        assert found(text, "rsr_max_vel")
 
     def test_all_publishers_have_a_role(self):
         (risk,) = found(shared("/max_vel", "std_msgs/Float64"), "rsr_max_vel")
@@ -272,6 +288,7 @@ class TestAction:
         [
             "control_msgs/FollowJointTrajectoryActionFeedback",
             "control_msgs/FollowJointTrajectoryActionResult",
+            "move_base_msgs/MoveBaseActionGoal",
             "geometry_msgs/TwistWithCovarianceStamped",
         ],
     )
@@ -307,11 +324,37 @@ class TestAction:
         assert risk.role_nodes == {Role.ACTION: ("/c",)}
         assert risk.successors == ("/s",)
         assert risk.domain is Domain.CONTROL
+        more = (replace(sides[0], node="/b"), *sides)
+        assert found(text, "msr_action", ros=2, actions=more)[0].role_nodes == {
+            Role.ACTION: ("/b", "/c")
+        }
         assert not found(text, "msr_action", ros=2, actions=sides[1:])
         assert not found(text, "msr_action", ros=1, actions=sides)
 
 
 class TestReport:
+    def test_a_rule_that_cannot_run_finds_nothing_and_says_why(self):
+        end = Endpoint(node="/a", topic="/detect/goal", direction=Direction.PUBLISH)
+        report = discover(InteractionGraph(app="app", endpoints=(end,)))
+        assert report.risks == ()
+        assert report.not_run["msr_event"] == "the graph holds no message types"
+        assert report.not_run["gr_mt"] == "the graph holds no subscribers and no message types"
+        assert set(report.not_run) == {rule.name for rule in RULES}
+
+    def test_one_known_type_is_enough_to_run(self):
+        text = "/a a own\n pub /detect p/T\n"
+        assert found(text, "msr_event", topics=())
+        untyped = tuple(replace(e, type="") for e in graph_of("app", text).endpoints)
+        assert found(text, "msr_event", endpoints=untyped)
+
+    @pytest.mark.parametrize("enabled", [True, False])
+    def test_the_garbage_collector_is_left_as_it_was(self, enabled):
+        was = gc.isenabled()
+        (gc.enable if enabled else gc.disable)()
+        discover(InteractionGraph(app="app"))
+        assert gc.isenabled() is enabled
+        (gc.enable if was else gc.disable)()
+
     def test_evidence_is_that_of_the_endpoints(self):
         lines = [Evidence(file="a.cpp", line=line) for line in (1, 2, 1)]
         ends = [

@@ -127,8 +127,9 @@ class Ros1:
         master, *others = self._processes
         for process in others:
             process.tell(signal.SIGINT)
-        for process in [*others, master]:
+        for process in others:
             process.stop()
+        master.kill()
 
     def spawn(self, *command, **environ):
         """Start a command; what it says goes to a file that its `log` gives."""

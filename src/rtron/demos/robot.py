@@ -78,9 +78,9 @@ class Robot:
         )
 
     def _is_complete(self) -> bool:
-        names = ("/navigator/ready", "/tb3_safe_control/sent", "/driver/state")
-        missing = any(self._parameter(name) in (None, False) for name in names)
-        return not missing and self._nodes() >= _NODES
+        counted = map(self._parameter, ("/tb3_safe_control/sent", "/driver/state"))
+        ready = self._parameter("/navigator/ready") is True and None not in counted
+        return ready and self._nodes() >= _NODES
 
     def _is_connected(self) -> bool:
         """Tell whether both senders have a connection out, and the driver one in, for commands."""

@@ -66,7 +66,7 @@ _ROWS = (
     Row("malicious commands that reached the driver", lambda drive: str(drive.right_arrived)),
     Row("navigation commands sent", lambda drive: str(drive.forward_sent)),
     Row("navigation commands that reached the driver", lambda drive: str(drive.forward_arrived)),
-    Row("turned to the right, degrees", lambda drive: f"{drive.turned_right:.0f}"),
+    Row("turned to the right, degrees", lambda drive: str(round(drive.turned_right))),
     Row("came nearer to the goal, metres", lambda drive: f"{drive.x:.2f}"),
 )
 

@@ -67,7 +67,7 @@ class GuardedStream:
                 topic,
                 stream.type,
                 queue_size=stream.queue_size,
-                await_first=topic != stream.topic,
+                successors=() if topic == stream.topic else stream.successors,
             )
             self._outputs.append(output)
         for before, after, stage in zip(self.nodes, self.nodes[1:], stream.stages, strict=False):
@@ -120,8 +120,7 @@ class GuardedStream:
 
     def _learn(self, peer: Peer) -> bool:
         outputs = [*self._outputs, *self._mirrors.values(), *self._joints]
-        agreed = [output.learn(peer.info) for output in outputs]
-        if all(agreed):
+        if all(output.learn(peer.info) for output in outputs):
             return True
         log.error("%s: %s has another type, %s", self.stream.topic, peer.node, peer.info.type)
         return False

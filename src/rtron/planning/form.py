@@ -24,7 +24,6 @@ from rtron.vocabulary import (
 
 _NAME = "[A-Za-z0-9_]+"
 _WORD = "[A-Za-z][A-Za-z0-9_]*"
-LONGEST_TEXT = 255
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,17 +32,18 @@ class Text:
 
     pattern: str
     words: str
+    longest: int = 255
 
     def fits(self, text: str) -> bool:
         """Tell whether a text looks like that."""
-        return len(text) <= LONGEST_TEXT and re.fullmatch(self.pattern, text) is not None
+        return len(text) <= self.longest and re.fullmatch(self.pattern, text) is not None
 
 
 TOPIC = Text(rf"(/{_NAME})+", "a full topic name like /cmd_vel")
 NODE = Text(r"(/[A-Za-z0-9_*]+)+", "a full node name like /move_base, `*` for what changes")
 TYPE = Text(rf"({_WORD}/((msg|action)/)?{_WORD})?", "a message type like pkg/Name")
 WORD = Text(_WORD, "a word of letters, digits and _")
-ANY = Text(r"[\s\S]*", "a text of at most 255 characters")
+ANY = Text(r"[\s\S]*", "a text of at most 1000 characters", longest=1000)
 
 _TEXTS = {
     "topic": TOPIC,

@@ -73,12 +73,14 @@ def propose_msrcn(site: Site, enforced: Collection[str]) -> MSRCN | None:
     if not any(risk.kind is RiskKind.MSR for risk in site.report.risks):
         return None
     mode, aflows = _guarded(site, _obeyed(site, Role.ACTION), enforced, "aflow")
+    recognised = (pair for pair in _told(site, Role.IMAGE) if _is_acted_on(site, pair[0]))
+    events = dict.fromkeys((*_told(site, Role.EVENT), *recognised))
     return MSRCN(
         id="msrcn",
         mode=mode,
         policy=PolicyName.BLOCK,
         aflows=aflows,
-        eflows=_watched("eflow", dict.fromkeys((*_events(site), *_recognitions(site)))),
+        eflows=_watched("eflow", events),
     )
 
 
@@ -103,19 +105,15 @@ def _is_image(site: Site, topic: str) -> bool:
     return normalise_type(site.type_of(topic)) in _IMAGES
 
 
-def _events(site: Site) -> Iterator[tuple[str, str]]:
-    for risk in site.risks(Role.EVENT):
+def _told(site: Site, role: Role) -> Iterator[tuple[str, str]]:
+    for risk in site.risks(role):
         for topic in filter(site.can_guard, risk.topics):
-            nodes = filter(NODE.fits, risk.role_nodes[Role.EVENT])
-            yield from ((topic, node) for node in nodes)
+            for node in filter(NODE.fits, risk.role_nodes[role]):
+                yield topic, node
 
 
-def _recognitions(site: Site) -> Iterator[tuple[str, str]]:
-    for risk in site.risks(Role.IMAGE):
-        for topic in filter(site.can_guard, risk.topics):
-            if site.successors(topic) and not _is_image(site, topic):
-                nodes = filter(NODE.fits, risk.role_nodes[Role.IMAGE])
-                yield from ((topic, node) for node in nodes)
+def _is_acted_on(site: Site, topic: str) -> bool:
+    return bool(site.successors(topic)) and not _is_image(site, topic)
 
 
 def _watched(prefix: str, flows: Iterable[tuple[str, str]]) -> tuple[WatchedFlow, ...]:

@@ -15,7 +15,7 @@ with at most one publisher, because there is nothing to arrange, only strangers 
 """
 
 from rtron.planning.derive import node_id, with_distinct_ids
-from rtron.planning.form import LONGEST_TEXT, NODE, TOPIC
+from rtron.planning.form import ANY, NODE, TOPIC
 from rtron.planning.guards import fps_monitors, propose_msrcn, propose_rsrcn
 from rtron.planning.problem import Level, Problem
 from rtron.planning.site import Site
@@ -51,7 +51,7 @@ def propose_plan(graph: InteractionGraph, report: RiskReport) -> Plan:
     enforced = {node.topic for node in grcn if node.mode is Mode.ENFORCE}
     monitors = fps_monitors(site)
     return Plan(
-        app=graph.app[:LONGEST_TEXT],
+        app=graph.app[: ANY.longest],
         ros=graph.ros,
         grcn=grcn,
         rsrcn=propose_rsrcn(site, monitors, enforced),

@@ -4,7 +4,7 @@ from enum import Enum
 from typing import Any
 
 from rtron.planning.durations import UNITS
-from rtron.planning.form import LONGEST_TEXT, NOUNS, Key, keys
+from rtron.planning.form import NOUNS, Key, keys
 from rtron.vocabulary import PLAN_SCHEMA, Plan
 
 _DURATION = {
@@ -62,6 +62,6 @@ def _item(key: Key) -> dict[str, Any]:
     return {
         "type": "string",
         "pattern": f"^{text.pattern}$",
-        "maxLength": LONGEST_TEXT,
+        "maxLength": text.longest,
         "description": text.words,
     }

@@ -117,7 +117,7 @@ class Ros1Live:
     def _ghosts(
         self, state: SystemState, nodes: Mapping[str, NodeAnswers]
     ) -> tuple[Unresolved, ...]:
-        """Return the ghost publishers; the master is asked again, for those who joined meanwhile."""
+        """Return the ghost publishers; the master is asked again, for who joined meanwhile."""
         found = suspects(nodes, state.publishers)
         if not found:
             return ()

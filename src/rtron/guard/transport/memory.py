@@ -37,10 +37,16 @@ class MemoryTransport:
         self._time = end
 
     def advertise(
-        self, node: str, topic: str, type: str, *, queue_size: int = 100, await_first: bool = False
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        *,
+        queue_size: int = 100,
+        successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`; nothing waits here, so `queue_size` bounds nothing."""
-        del node, queue_size, await_first
+        del node, queue_size, successors
         self.outputs[topic] = MemoryOutput(type, self._heard[topic])
         return self.outputs[topic]
 

@@ -62,12 +62,19 @@ class Transport(Protocol):
         ...
 
     def advertise(
-        self, node: str, topic: str, type: str, *, queue_size: int = 100, await_first: bool = False
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        *,
+        queue_size: int = 100,
+        successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`.
 
-        `queue_size` bounds what waits for a slow subscriber. With `await_first`, what is said
-        before the first subscriber comes waits a moment for it.
+        `queue_size` bounds what waits for a slow subscriber. For the `successors` that are
+        expected, what is said before the first one comes waits a moment, and the message type
+        that they ask for is the one that publishers must have.
         """
         ...
 

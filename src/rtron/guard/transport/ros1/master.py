@@ -32,7 +32,8 @@ class Registrar:
         self._pid = 0
         self._round = 0
         self._lost = False
-        loop.call_later(_REFRESH_S, self._watch)
+        self._asked: set[tuple[str, str, str]] = set()
+        loop.post(self._watch)
 
     def publish(self, node: Node, topic: str) -> None:
         """Register a publication; without a type it waits until the type is learned."""
@@ -74,7 +75,12 @@ class Registrar:
     def _ask(
         self, node: Node, method: str, topic: str, type: str, then: Callable[[object], None]
     ) -> None:
+        if (method, node.name, topic) in self._asked:
+            return
+        self._asked.add((method, node.name, topic))
+
         def work() -> None:
+            self._asked.discard((method, node.name, topic))
             answer = self._quietly(method, node.name, topic, type, node.uri)
             if answer is not None:
                 self._loop.post(lambda: then(answer))
@@ -89,8 +95,9 @@ class Registrar:
             return None
 
     def _watch(self) -> None:
-        self._thread.submit(self._check)
-        self._loop.call_later(_REFRESH_S, self._watch)
+        self._thread.submit(self._check).add_done_callback(
+            lambda _: self._loop.post(lambda: self._loop.call_later(_REFRESH_S, self._watch))
+        )
 
     def _check(self) -> None:
         pid = self._quietly("getPid", "/rtron_guard")

@@ -25,7 +25,7 @@ class Publication:
         now: Callable[[], int],
         *,
         queue_size: int,
-        await_first: bool,
+        successors: tuple[str, ...],
     ) -> None:
         self.node = node
         self.topic = topic
@@ -37,14 +37,15 @@ class Publication:
         self._undecided: list[SubscriberLink] = []
         self._latched: dict[str, bytes] = {}
         self._early: deque[tuple[int, bytes]] | None = deque(maxlen=queue_size)
-        if not await_first:
+        self._successors = successors
+        if not successors:
             self._early = None
 
     def learn(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if another is known or the name differs."""
         if self.info is not None:
             return self.info.md5sum == info.md5sum and self.info.type == info.type
-        if self.type and self.type != info.type:
+        if (self.type and self.type != info.type) or info.md5sum not in self._asked_for(info):
             return False
         self.info, self.type = info, info.type
         for link in [link for link in self.links if link.md5sum not in ("*", info.md5sum)]:
@@ -113,6 +114,11 @@ class Publication:
         since = self._now() - _AWAIT_FIRST_NS
         latched = set(self._latched.values())
         return [m for when, m in early or () if when >= since and m not in latched]
+
+    def _asked_for(self, info: TypeInfo) -> set[str]:
+        """Return the md5sums that the successors ask for; any will do while none has said."""
+        links = (link for link in self.links if link.node in self._successors)
+        return {link.md5sum for link in links} or {info.md5sum}
 
     def _left(self, link: SubscriberLink) -> None:
         for group in (self.links, self._undecided):

@@ -39,11 +39,17 @@ class Ros1Transport:
         self.call_at = loop.call_at
 
     def advertise(
-        self, node: str, topic: str, type: str, *, queue_size: int = 100, await_first: bool = False
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        *,
+        queue_size: int = 100,
+        successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
         publication = _Announced(
-            node, topic, type, self.now, queue_size=queue_size, await_first=await_first
+            node, topic, type, self.now, queue_size=queue_size, successors=successors
         )
         owner = self._node(node)
         owner.publications[topic] = self._publications[topic] = publication

@@ -1,0 +1,84 @@
+"""How names are spelled."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rtron.vocabulary import (
+    PRIVATE_ROOT,
+    flow_topic,
+    names_node,
+    normalise_type,
+    output_topic,
+    without_stamp,
+)
+from rtron.vocabulary.launch import canonical_name, resolve_name
+
+parts = st.text("ab_/~", max_size=8)
+
+
+@pytest.mark.parametrize(
+    ("written", "spelled"),
+    [
+        ("geometry_msgs/msg/Twist", "geometry_msgs/Twist"),
+        ("geometry_msgs/Twist", "geometry_msgs/Twist"),
+        ("msg/msg/msg", "msg/msg"),
+        ("", ""),
+    ],
+)
+def test_both_generations_spell_one_type(written, spelled):
+    assert normalise_type(written) == spelled
+
+
+@pytest.mark.parametrize(
+    ("type", "counts_as"),
+    [
+        ("geometry_msgs/TwistStamped", "geometry_msgs/Twist"),
+        ("geometry_msgs/msg/TwistStamped", "geometry_msgs/Twist"),
+        ("geometry_msgs/Twist", "geometry_msgs/Twist"),
+        ("geometry_msgs/PoseStamped", "geometry_msgs/PoseStamped"),
+    ],
+)
+def test_only_a_velocity_loses_its_stamp(type, counts_as):
+    assert without_stamp(type) == counts_as
+
+
+def test_private_topics_stand_below_the_private_root():
+    assert flow_topic("/cmd_vel", "flow1") == f"{PRIVATE_ROOT}/cmd_vel/flow1"
+    assert output_topic("/robot/cmd_vel") == f"{PRIVATE_ROOT}/robot/cmd_vel/out"
+
+
+@pytest.mark.parametrize(
+    ("pattern", "node", "means"),
+    [
+        ("/rviz", "/rviz", True),
+        ("/rviz_*", "/rviz_17_42", True),
+        ("/rviz_*", "/rviz", False),
+        ("/rviz", "/rviz_17", False),
+        ("/*", "/a/b", True),
+        ("/[x]", "/[x]", True),
+    ],
+)
+def test_a_pattern_means_the_nodes_that_it_fits(pattern, node, means):
+    assert names_node(pattern, node) is means
+
+
+@pytest.mark.parametrize(
+    ("name", "node", "resolved"),
+    [
+        ("/scan", "/ns/node", "/scan"),
+        ("scan", "/ns/node", "/ns/scan"),
+        ("scan", "/node", "/scan"),
+        ("~scan", "/ns/node", "/ns/node/scan"),
+        ("a//b/", "/node", "/a/b"),
+    ],
+)
+def test_a_name_resolves_at_its_node(name, node, resolved):
+    assert resolve_name(name, node) == resolved
+
+
+@given(parts)
+def test_a_canonical_name_stays_what_it_is(name):
+    once = canonical_name(name)
+    assert canonical_name(once) == once
+    assert "//" not in once
