@@ -104,6 +104,7 @@ class Ros1:
             "PYTHONUNBUFFERED": "1",
             "PYTHONPATH": "",
         }
+        self.master = None
         self._processes = []
 
     def __enter__(self):
@@ -124,12 +125,13 @@ class Ros1:
         wait_for(lambda: self.ask(self.uri, "getPid") is not None, what="the master")
 
     def _end(self):
-        master, *others = self._processes
-        for process in others:
+        nodes = [process for process in self._processes if process is not self.master]
+        for process in nodes:
             process.tell(signal.SIGINT)
-        for process in others:
+        for process in nodes:
             process.stop()
-        master.kill()
+        for process in self._processes:
+            process.kill()
 
     def spawn(self, *command, **environ):
         """Start a command; what it says goes to a file that its `log` gives."""
