@@ -16,6 +16,7 @@ from drive import (
 from harness import wait_for
 
 from rtron.planning.write import write_plan
+from rtron.sources.ros1_live import Ros1Live
 
 pytestmark = pytest.mark.ros1
 RATES = pytest.mark.parametrize("rate", [50, 1000])
@@ -133,6 +134,15 @@ def test_the_tools_of_ros_see_a_coordination_node(guarded):
     }
     assert ros1.received(CMD_VEL_GUARD, "/rtron/cmd_vel/flow1") > 0
     assert ros1.sent(CMD_VEL_GUARD, "/rtron/cmd_vel/out") > 0
+
+
+def test_a_scan_of_the_guarded_app_finds_every_end_and_no_ghost(guarded):
+    guarded.navigate()
+    graph = Ros1Live(guarded.ros1.uri, 2.0).read()
+    assert graph.unresolved == ()
+    ends = {(e.node, e.topic) for e in graph.endpoints}
+    assert {("/nav", "/rtron/cmd_vel/flow1"), ("/driver", "/rtron/cmd_vel/out")} <= ends
+    assert (CMD_VEL_GUARD, CMD_VEL) in ends
 
 
 def test_roslaunch_starts_the_instrumented_app_and_the_attack_fails(ros1, driver):

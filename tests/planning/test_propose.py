@@ -206,6 +206,7 @@ class TestOrder:
 
     def test_who_serves_an_action_is_known_by_its_five_topics_too(self):
         text = shared("/cmd_vel", "geometry_msgs/Twist") + "/b b own\n server /drive p/Drive\n"
+        text += "/a a own\n sub /scan p/T\n"
         graph = replace(graph_of("app", text), actions=())
         flows = grcn_of(plan_of(graph), "/cmd_vel").flows
         assert [flow.publisher for flow in flows] == ["/b", "/a"]

@@ -1,9 +1,11 @@
 """The parts of reading a running ROS 1 app that need no ROS."""
 
 import os
+import subprocess
+import sys
 import threading
 import time
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 
 import pytest
 from hypothesis import given
@@ -138,4 +140,41 @@ def test_a_process_that_does_not_listen_there_is_not_the_node():
         assert program_of(uri, 1) == Program()
         assert program_of(uri, 2**31) == Program()
         assert program_of(uri.replace("localhost", "192.0.2.1"), os.getpid()) == Program()
-        assert program_of(uri, os.getpid()).executable
+
+
+LISTEN = "import socket; s = socket.create_server(('', 0)); print(s.getsockname()[1]); input()"
+
+
+@contextmanager
+def listening(*arguments, cwd):
+    """Run a Python that listens on a port; yields its process id and address."""
+    words = [sys.executable, "-u", *arguments]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(words, cwd=cwd, text=True, **pipes) as process:
+        yield process.pid, f"http://localhost:{process.stdout.readline().strip()}/"
+        process.stdin.write("\n")
+        process.stdin.flush()
+
+
+def test_a_script_is_known_by_where_it_lies(tmp_path):
+    places = {
+        "lib/arm_driver/drive": ("arm_driver", "drive"),
+        "src/arm/scripts/lift.py": ("arm_package", "lift.py"),
+        "loose.py": ("", "loose.py"),
+    }
+    (tmp_path / "src" / "arm").mkdir(parents=True)
+    manifest = "<package><name>arm_package</name></package>"
+    (tmp_path / "src" / "arm" / "package.xml").write_text(manifest)
+    for place, program in places.items():
+        script = tmp_path / place
+        script.parent.mkdir(parents=True, exist_ok=True)
+        script.write_text(LISTEN)
+        with listening(place, cwd=tmp_path) as (pid, uri):
+            assert program_of(uri, pid) == Program(*program)
+
+
+def test_a_text_or_a_module_that_runs_is_no_script(tmp_path):
+    (tmp_path / "module.py").write_text(LISTEN)
+    for arguments in (["-c", LISTEN], ["-m", "module"]):
+        with listening(*arguments, cwd=tmp_path) as (pid, uri):
+            assert program_of(uri, pid) == Program()

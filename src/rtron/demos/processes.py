@@ -42,7 +42,7 @@ def free_port() -> int:
 class Processes:
     """The processes that were started here; on leaving, those that still run are ended.
 
-    Each stands in a session of its own, so that ^C reaches this process only, and this one ends
+    Each has a process group of its own, so that ^C reaches this process only, and this one ends
     the others in order. SIGTERM ends this process as ^C does.
     """
 

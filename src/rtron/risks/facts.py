@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 from rtron.risks.lists import RiskLists
 from rtron.vocabulary import (
@@ -20,8 +21,7 @@ from rtron.vocabulary import (
 NAMED = 100
 
 
-@dataclass(frozen=True, slots=True)
-class TopicFacts:
+class TopicFacts(NamedTuple):
     """A topic's distinct ends in order of name, and its types, those of its publishers first.
 
     `successors` are the nodes that act on it, so viewers are left out. `own` tells whether all
@@ -123,4 +123,5 @@ def _known_type(name: str) -> str:
 
 
 def _distinct(names: Iterable[str]) -> tuple[str, ...]:
-    return tuple(sorted(set(names)))
+    found = set(names)
+    return tuple(sorted(found)) if len(found) > 1 else tuple(found)

@@ -1,5 +1,6 @@
 """The words that the rules look for and the tables of topics: data, which a user may add to."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache, cached_property, lru_cache
@@ -57,6 +58,14 @@ class RiskLists:
         fits = message_type in self._types["max_vel_type"]
         return fits and any(word in topic for word in self.max_vel_name)
 
+    def names_event(self, topic: str) -> bool:
+        """Tell whether a topic's name says that it tells an event."""
+        return self._named["event_topic_name"].search(topic) is not None
+
+    def names_action(self, topic: str) -> bool:
+        """Tell whether a topic's name says that it makes the robot act."""
+        return self._named["action_topic_name"].search(topic) is not None
+
     def ignores_topic(self, topic: str) -> bool:
         """Tell whether a topic is for logs only."""
         return self._patterns["ignored_topics"].match(topic)
@@ -84,6 +93,11 @@ class RiskLists:
         return {name: frozenset(map(normalise_type, getattr(self, name))) for name in names}
 
     @cached_property
+    def _named(self) -> dict[str, re.Pattern[str]]:
+        names = ("event_topic_name", "action_topic_name")
+        return {name: _one_of(getattr(self, name)) for name in names}
+
+    @cached_property
     def _patterns(self) -> dict[str, Patterns]:
         names = ("ignored_topics", "ignored_types", "ignored_packages")
         return {name: Patterns(map(normalise_type, getattr(self, name))) for name in names}
@@ -95,6 +109,11 @@ class RiskLists:
     @cached_property
     def _tables(self) -> tuple[TopicTable, TopicTable, TopicTable]:
         return TopicTable(self.domains), TopicTable(self.sharing), TopicTable(self.kinds)
+
+
+def _one_of(words: tuple[str, ...]) -> re.Pattern[str]:
+    """Return a pattern that finds any of the words, and nothing if there is none."""
+    return re.compile("|".join(map(re.escape, words)) or r"(?!)")
 
 
 @cache

@@ -60,8 +60,7 @@ def _acts(facts: Facts, topic: TopicFacts) -> bool:
     answers = facts.lists.action_answer
     if topic.name.endswith(answers) or any(name.endswith(answers) for name in topic.types):
         return False
-    named = any(word in topic.name for word in facts.lists.action_topic_name)
-    return named or any(map(facts.lists.is_action, topic.types))
+    return facts.lists.names_action(topic.name) or any(map(facts.lists.is_action, topic.types))
 
 
 def _topic(facts: Facts, topic: TopicFacts) -> _Cause:

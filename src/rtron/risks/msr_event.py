@@ -43,8 +43,7 @@ def check(facts: Facts) -> Iterator[Risk]:
 
 
 def _is_event(facts: Facts, topic: TopicFacts) -> bool:
-    named = any(word in topic.name for word in facts.lists.event_topic_name)
-    return named or any(map(facts.lists.is_event, topic.types))
+    return facts.lists.names_event(topic.name) or any(map(facts.lists.is_event, topic.types))
 
 
 def _preprocessing(facts: Facts) -> frozenset[str]:

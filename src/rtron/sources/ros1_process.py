@@ -13,6 +13,7 @@ from rtron.wire.xmlrpc import split_uri
 _PROC = Path("/proc")
 _INSTALLED = re.compile(r".*/lib/([a-z][a-z0-9_]*)/([^/]+)")
 _PYTHON = re.compile(r"python[0-9.]*")
+_NO_FILE = (b"-m", b"-c", b"")
 _LISTENING = "0A"
 _LOCAL, _STATE, _INODE = 1, 3, 9
 
@@ -70,13 +71,21 @@ def _listeners(process: Path, port: int) -> set[str]:
 
 
 def _started(process: Path) -> Path:
-    """Return the program's file, for an interpreter that of its script."""
+    """Return the program's file, for Python that of its script."""
     program = (process / "exe").readlink()
     if not _PYTHON.fullmatch(program.name):
         return program
     words = (process / "cmdline").read_bytes().split(b"\0")
-    script = os.fsdecode(next((w for w in words[1:] if not w.startswith(b"-")), b""))
-    return Path(os.path.normpath((process / "cwd").readlink() / script))
+    script = _script(words[1:])
+    return Path(os.path.normpath((process / "cwd").readlink() / os.fsdecode(script)))
+
+
+def _script(words: list[bytes]) -> bytes:
+    """Return the script among Python's arguments; ValueError if it runs a module or a text."""
+    word = next(word for word in (*words, b"-c") if word in _NO_FILE or word[:1] != b"-")
+    if word in _NO_FILE:
+        raise ValueError("no script")
+    return word
 
 
 def _program(path: Path) -> Program:
