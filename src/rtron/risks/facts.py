@@ -88,15 +88,15 @@ class Facts:
 
     def _read_topic(self, name: str) -> TopicFacts:
         publishing, subscribing = self.graph.publishers(name), self.graph.subscribers(name)
-        written = dict.fromkeys([e.type for e in publishing + subscribing])
-        types = dict.fromkeys([*map(_known_type, written), *self._declared_types.get(name, ())])
+        written = tuple([e.type for e in publishing + subscribing])
         publishers = _distinct([e.node for e in publishing])
+        acting = {e.node for e in subscribing} - self.viewers if subscribing else ()
         return TopicFacts(
-            name=name,
-            types=tuple(filter(None, types)),
-            publishers=publishers,
-            successors=_distinct({e.node for e in subscribing} - self.viewers),
-            own=self.own(publishers),
+            name,
+            _known_types(written, self._declared_types.get(name, ())),
+            publishers,
+            _distinct(acting),
+            self.own(publishers),
         )
 
     @cached_property
@@ -122,6 +122,12 @@ def _known_type(name: str) -> str:
     return "" if name == "*" else normalise_type(name)
 
 
+@lru_cache(4096)
+def _known_types(written: tuple[str, ...], declared: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the distinct types in ROS 1 spelling: as the endpoints write them, then declared."""
+    return tuple(filter(None, dict.fromkeys([*map(_known_type, written), *declared])))
+
+
 def _distinct(names: Iterable[str]) -> tuple[str, ...]:
     found = set(names)
-    return tuple(sorted(found)) if len(found) > 1 else tuple(found)
+    return tuple(sorted(found) if len(found) > 1 else found)

@@ -6,6 +6,8 @@ from rtron.sources.ros1_answers import Incoming, incoming, process_id
 from rtron.sources.ros1_process import Program, program_of
 from rtron.wire.xmlrpc import ros_call
 
+_LONGEST_FAULT = 300
+
 
 @dataclass(frozen=True, slots=True)
 class NodeAnswers:
@@ -26,4 +28,4 @@ def ask_node(uri: str, caller: str, timeout: float) -> NodeAnswers:
         pid = process_id(ros_call(uri, "getPid", caller, timeout=timeout))
         return replace(answers, program=program_of(uri, pid))
     except Exception as error:  # noqa: BLE001 - a stranger's answer must not end the scan
-        return replace(answers, fault=str(error))
+        return replace(answers, fault=str(error)[:_LONGEST_FAULT])
