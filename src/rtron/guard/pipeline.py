@@ -25,7 +25,6 @@ class Tally:
     held: int = 0
     dropped: int = 0
     last: Verdict | None = None
-    changed_at: int = 0
 
 
 class Pipeline:
@@ -34,7 +33,6 @@ class Pipeline:
     def __init__(self, stages: Sequence[Stage], flows: Sequence[str], emit: Emit) -> None:
         self.policies: tuple[Policy, ...] = tuple(build(stage.settings) for stage in stages)
         self.tallies: dict[str, Tally] = {flow: Tally() for flow in flows}
-        self.changed: Callable[[Verdict, int], None] = lambda verdict, now: None
         self._emit = emit
         self.closed = ""
 
@@ -46,7 +44,7 @@ class Pipeline:
         verdict = self.policies[0].verdict(flow, message, now)
         if verdict.decision is Decision.PASS:
             return self._go_on(1, verdict, message, now)
-        self._count(verdict, now)
+        self._count(verdict)
         return verdict.decision
 
     def tick(self, now: int) -> None:
@@ -56,7 +54,7 @@ class Pipeline:
                 if release.verdict.decision is Decision.PASS:
                     self._go_on(at + 1, release.verdict, release.message, now)  # type: ignore[arg-type]
                 else:
-                    self._count(release.verdict, now)
+                    self._count(release.verdict)
 
     def done(self, now: int) -> None:
         """Learn that the action in progress is done."""
@@ -85,12 +83,12 @@ class Pipeline:
             verdict = policy.verdict(flow, message, now)
             if verdict.decision is not Decision.PASS:
                 break
-        self._count(verdict, now)
+        self._count(verdict)
         if verdict.decision is Decision.PASS:
             self._emit(flow, message)
         return verdict.decision
 
-    def _count(self, verdict: Verdict, now: int) -> None:
+    def _count(self, verdict: Verdict) -> None:
         tally = self.tallies[verdict.flow]
         decision = verdict.decision
         if decision is Decision.PASS:
@@ -99,6 +97,4 @@ class Pipeline:
             tally.dropped += 1
         else:
             tally.held += 1
-        if verdict is not tally.last:
-            tally.last, tally.changed_at = verdict, now
-            self.changed(verdict, now)
+        tally.last = verdict

@@ -1,6 +1,7 @@
 """Running the guard on ROS 1 until it is told to end."""
 
 import logging
+import resource
 import signal
 from collections.abc import Sequence
 
@@ -25,6 +26,7 @@ def run_guard(plan: Plan, master: str) -> int:
 
 def run_streams(guarded: Sequence[Stream], master: str) -> int:
     """Guard streams until SIGINT, SIGTERM or a kill of the guard's own node."""
+    _allow_many_connections()
     loop = Loop()
     transport = Ros1Transport(loop, master)
     host = Host(transport, guarded)
@@ -44,3 +46,8 @@ def run_streams(guarded: Sequence[Stream], master: str) -> int:
     transport.close()
     loop.close()
     return 0
+
+
+def _allow_many_connections() -> None:
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))

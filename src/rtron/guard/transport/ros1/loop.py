@@ -61,6 +61,16 @@ class Loop:
         write = selectors.EVENT_WRITE if writable else 0
         self._selector.modify(sock, selectors.EVENT_READ | write, watch)
 
+    def pause(self, sock: socket.socket, duration: float) -> None:
+        """Leave a socket alone for `duration` seconds; it keeps its place."""
+        watch: Watch = self._selector.unregister(sock).data
+
+        def resume() -> None:
+            if sock.fileno() >= 0:
+                self._selector.register(sock, selectors.EVENT_READ, watch)
+
+        self.call_later(duration, resume)
+
     def forget(self, sock: socket.socket) -> None:
         """Serve a socket no more and close it; a second time does nothing."""
         with suppress(KeyError, ValueError):

@@ -1,12 +1,13 @@
 """A topic that one of our nodes publishes: its subscribers, and what late ones get."""
 
-from collections import deque
 from collections.abc import Callable
 
+from rtron.guard.transport.ros1.backlog import Backlog
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.guard.transport.transport import TypeInfo
 
 _AWAIT_FIRST_NS = 1_000_000_000
+_EARLY_BYTES = 1 << 20
 
 
 class Publication:
@@ -36,10 +37,9 @@ class Publication:
         self._limit = queue_size
         self._undecided: list[SubscriberLink] = []
         self._latched: dict[str, bytes] = {}
-        self._early: deque[tuple[int, bytes]] | None = deque(maxlen=queue_size)
         self._successors = successors
-        if not successors:
-            self._early = None
+        self._early = Backlog(queue_size, _EARLY_BYTES) if successors else None
+        self._early_since = 0
 
     def learn(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if another is known or the name differs."""
@@ -62,11 +62,11 @@ class Publication:
         for link in self.links:
             link.send(message)
         if self._early is not None and not self.links:
-            self._early.append((self._now(), message))
+            self._keep(self._early, message)
 
     def admit(self, link: SubscriberLink, fields: dict[str, str]) -> None:
         """Answer a subscriber's header."""
-        link.limit = self._limit
+        link.allow(self._limit)
         link.closed = self._left
         asked = TypeInfo(fields.get("type", "*"), link.md5sum, fields.get("message_definition", ""))
         if self.info is not None:
@@ -109,11 +109,22 @@ class Publication:
         for message in [*self._latched.values(), *self._waited()]:
             link.send(message)
 
+    def _keep(self, early: Backlog, message: bytes) -> None:
+        """Let the first messages wait for the first subscriber; when it is late, they are stale."""
+        now = self._now()
+        self._early_since = self._early_since or now
+        if now - self._early_since > _AWAIT_FIRST_NS:
+            self._early = None
+        else:
+            early.append(message)
+
     def _waited(self) -> list[bytes]:
         early, self._early = self._early, None
-        since = self._now() - _AWAIT_FIRST_NS
+        if not early or self._now() - self._early_since > _AWAIT_FIRST_NS:
+            return []
         latched = set(self._latched.values())
-        return [m for when, m in early or () if when >= since and m not in latched]
+        waited = [early.pop() for _ in range(len(early))]
+        return [message for message in waited if message not in latched]
 
     def _asked_for(self, info: TypeInfo) -> set[str]:
         """Return the md5sums that the successors ask for; any will do while none has said."""

@@ -2,10 +2,10 @@
 
 import logging
 import socket
-from collections import deque
 from collections.abc import Callable
 
 from rtron.errors import WireError
+from rtron.guard.transport.ros1.backlog import Backlog
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.wire.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
 
@@ -19,8 +19,8 @@ _BATCH = 64
 class SubscriberLink:
     """One accepted TCPROS connection, from its header to its end.
 
-    `limit` bounds the messages that wait for a slow subscriber; beyond it the oldest is dropped
-    and counted, as roscpp's publisher queue does.
+    What waits for a slow subscriber is bounded; the oldest is dropped and counted, as in roscpp's
+    publisher queue.
     """
 
     def __init__(
@@ -34,17 +34,25 @@ class SubscriberLink:
         self._opened = opened
         self._header = FrameReader(MAX_HEADER)
         self._head: memoryview | None = None
-        self._queue: deque[bytes] = deque()
+        self._queue = Backlog(1)
         self._fresh: list[bytes] = []
         self.closed: Callable[[SubscriberLink], None] = lambda link: None
         self.node = ""
         self.md5sum = ""
-        self.limit = 1
         self.streaming = False
         self.is_closed = False
-        self.sent = self.sent_bytes = self.dropped = 0
+        self.sent = self.sent_bytes = 0
         loop.watch(sock, self._readable, self._broken)
         loop.call_later(_HANDSHAKE_S, self._expire)
+
+    @property
+    def dropped(self) -> int:
+        """How many messages the subscriber was too slow for."""
+        return self._queue.dropped
+
+    def allow(self, waiting: int) -> None:
+        """Set how many messages may wait."""
+        self._queue.limit = waiting
 
     @property
     def address(self) -> str:
@@ -78,7 +86,6 @@ class SubscriberLink:
         if self.is_closed:
             return
         self.is_closed = True
-        self.dropped += len(self._queue)
         self._queue.clear()
         self._loop.forget(self._sock)
         self.closed(self)
@@ -98,10 +105,8 @@ class SubscriberLink:
         if self._head is None:
             self._enqueue(b"".join(messages))
             return
-        self._queue.extend(messages)
-        while len(self._queue) > self.limit:
-            self._queue.popleft()
-            self.dropped += 1
+        for message in messages:
+            self._queue.append(message)
 
     def _enqueue(self, data: bytes) -> None:
         """Write while nothing waits; what the kernel does not take becomes the head."""
@@ -122,7 +127,7 @@ class SubscriberLink:
         if head is not None:
             self._enqueue(head)  # type: ignore[arg-type]
         while self._head is None and self._queue:
-            self._enqueue(self._queue.popleft())
+            self._enqueue(self._queue.pop())
         if self._head is None and not self.is_closed:
             self._loop.await_writable(self._sock, None)
 

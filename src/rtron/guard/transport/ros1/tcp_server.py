@@ -9,6 +9,7 @@ from rtron.guard.transport.ros1.loop import Loop
 log = logging.getLogger(__name__)
 
 _BACKLOG = 128
+_PAUSE_S = 0.1
 
 
 class TcpServer:
@@ -31,6 +32,7 @@ class TcpServer:
             connection, _ = self._sock.accept()
         except OSError as error:
             log.warning("a connection could not be accepted: %s", error)
+            self._loop.pause(self._sock, _PAUSE_S)
             return
         connection.settimeout(0)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -1,0 +1,45 @@
+"""Messages that wait, bounded in number and in bytes; the oldest make room."""
+
+from collections import deque
+
+MOST_BYTES = 1 << 26
+"""The most that may wait for one subscriber, bytes; a single larger message still may."""
+
+
+class Backlog:
+    """A queue that never holds more than `limit` messages and `most_bytes` bytes."""
+
+    __slots__ = ("_bytes", "_messages", "_most_bytes", "dropped", "limit")
+
+    def __init__(self, limit: int, most_bytes: int = MOST_BYTES) -> None:
+        self.limit = limit
+        self.dropped = 0
+        self._most_bytes = most_bytes
+        self._messages: deque[bytes] = deque()
+        self._bytes = 0
+
+    def __len__(self) -> int:
+        return len(self._messages)
+
+    def append(self, message: bytes) -> None:
+        """Let a message wait; what no longer fits before it is dropped and counted."""
+        self._messages.append(message)
+        self._bytes += len(message)
+        while len(self._messages) > self.limit or self._overweight():
+            self.pop()
+            self.dropped += 1
+
+    def pop(self) -> bytes:
+        """Take the oldest."""
+        message = self._messages.popleft()
+        self._bytes -= len(message)
+        return message
+
+    def clear(self) -> None:
+        """Drop all, counted."""
+        while self._messages:
+            self.pop()
+            self.dropped += 1
+
+    def _overweight(self) -> bool:
+        return self._bytes > self._most_bytes and len(self._messages) > 1
