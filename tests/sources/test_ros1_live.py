@@ -2,6 +2,7 @@
 
 import time
 from contextlib import ExitStack
+from itertools import chain, repeat
 from xmlrpc.client import Fault, dumps
 
 import pytest
@@ -144,7 +145,7 @@ def test_a_node_that_claims_another_process_does_not_get_its_package(ros1):
     ros1.wait_for_nodes("/relay")
     claim = saying(dumps(((1, "", relay.pid),), methodresponse=True).encode())
     bus = saying(dumps(((1, "", []),), methodresponse=True).encode())
-    answers = iter([bus, claim])
+    answers = chain([bus], repeat(claim))
 
     def in_turn(connection):
         next(answers)(connection)

@@ -39,7 +39,9 @@ def guard(
     $ rtron guard --plan rtron.yaml
     $ rtron guard --plan rtron.yaml --master http://robot:11311 --log-level debug
 
-    Exit code: 0 stopped, 2 bad plan or no master.
+    A master that does not answer is waited for.
+
+    Exit code: 0 stopped, 2 bad plan.
     """
     from rtron.guard.run import run_guard  # noqa: PLC0415 - no other command needs a guard
 

@@ -63,7 +63,7 @@ class Ros1Live:
         endpoints = tuple(_endpoints(state, types, nodes))
         ghosts = self._ghosts(state, nodes)
         return InteractionGraph(
-            app=self.master_uri,
+            app="live app",
             nodes=tuple(_node(name, answers) for name, answers in nodes.items()),
             topics=_topics(endpoints),
             endpoints=endpoints,
