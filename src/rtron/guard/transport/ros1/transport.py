@@ -19,7 +19,7 @@ from rtron.wire.address import bind_host, own_host
 
 log = logging.getLogger(__name__)
 
-_WORKERS = 16
+_WORKERS = 4
 
 
 class Ros1Transport:
@@ -31,7 +31,7 @@ class Ros1Transport:
         self._host = host or own_host()
         self._nodes: dict[str, Node] = {}
         self._publications: dict[str, Publication] = {}
-        self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="publisher")
+        self._workers: list[ThreadPoolExecutor] = []
         self._server = TcpServer(loop, bind_host(self._host), self._accepted)
         self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()))
         self.killed: Callable[[str, str], None] = lambda node, reason: None
@@ -60,14 +60,14 @@ class Ros1Transport:
     def subscribe(self, node: str, topic: str, type: str, connect: Connect) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         wish = Wish(node, topic, type, self._master)
-        link = start(self._loop, self._workers, wish, connect)
+        link = start(self._loop, self._own_workers(topic), wish, connect)
         self._subscribe(node, Subscription(topic, type, link))
 
     def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
         output = self.advertise(publisher, topic, type)
         wish = Wish(subscriber, topic, type, self._master)
-        link = start(self._loop, self._workers, wish, lambda peer: None)
+        link = start(self._loop, self._own_workers(topic), wish, lambda peer: None)
         self._subscribe(subscriber, Subscription(topic, type, link, joined=True))
         return output
 
@@ -89,8 +89,14 @@ class Ros1Transport:
         for name in list(self._nodes):
             self.remove(name)
         self._server.close()
-        self._workers.shutdown(wait=False, cancel_futures=True)
+        for workers in self._workers:
+            workers.shutdown(wait=False, cancel_futures=True)
         self._registrar.close()
+
+    def _own_workers(self, topic: str) -> ThreadPoolExecutor:
+        """Give a subscription its own threads: publishers that hang delay no other topic."""
+        self._workers.append(ThreadPoolExecutor(_WORKERS, thread_name_prefix=topic))
+        return self._workers[-1]
 
     def _node(self, name: str) -> Node:
         if name not in self._nodes:
