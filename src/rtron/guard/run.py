@@ -1,8 +1,10 @@
 """Running the guard on ROS 1 until it is told to end."""
 
+import gc
 import logging
 import resource
 import signal
+import sys
 from collections.abc import Sequence
 
 from rtron.errors import SourceError
@@ -12,6 +14,8 @@ from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import Plan, Stream, streams
 
 log = logging.getLogger(__name__)
+
+_SWITCH_S = 1e-4
 
 
 def run_guard(plan: Plan, master: str) -> int:
@@ -41,11 +45,19 @@ def run_streams(guarded: Sequence[Stream], master: str) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.post(loop.stop))
     host.open()
+    _favour_messages()
     log.info("guarding %d topics on %s", len(guarded), master)
     loop.run()
     transport.close()
     loop.close()
     return 0
+
+
+def _favour_messages() -> None:
+    """Keep garbage collection and the threads that talk to the master out of a message's way."""
+    gc.collect()
+    gc.freeze()
+    sys.setswitchinterval(_SWITCH_S)
 
 
 def _allow_many_connections() -> None:
