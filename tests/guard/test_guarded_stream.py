@@ -7,6 +7,7 @@ from streams import FLOWS, TWIST, peer, stage, stream
 
 from rtron.guard.host import GUARD_NODE, Host
 from rtron.guard.transport.memory import MemoryTransport
+from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.transport import TypeInfo
 from rtron.vocabulary import SECOND, Flow, Mode, PolicyName, StreamKind
 
@@ -212,3 +213,63 @@ def test_diagnostics_come_each_second_and_warn_of_strangers():
     assert host.statuses()[0].level == 1
     transport.advance(SECOND)
     assert b"/rogue" in heard[-1]
+
+
+def test_late_subscribers_get_the_latched_words_in_the_order_they_were_said():
+    flows = (Flow(name="flow1", publisher="/a"), Flow(name="flow2", publisher="/b"))
+    block = stage(policy=PolicyName.BLOCK, flows=flows, kind=StreamKind.STATE)
+    transport, host = guarded(stream(block, topic="/map", type="", flows=flows))
+    first = transport.publisher("/rtron/map/flow1", peer("/a", latching=True))
+    second = transport.publisher("/rtron/map/flow2", peer("/b", latching=True))
+    first(b"a1")
+    second(b"b1")
+    first(b"a2")
+    assert transport.listen("/rtron/map/out") == [b"b1", b"a2"]
+    host.killed("/rtron/grcn_cmd_vel", "a test")
+    assert transport.listen("/rtron/map/out") == []
+
+
+def test_an_old_velocity_is_not_told_to_a_late_subscriber():
+    transport, _ = guarded(stream())
+    transport.publisher(NAV, peer("/nav", latching=True))(b"fast")
+    assert transport.listen(OUT) == []
+
+
+def test_the_list_of_strangers_is_bounded():
+    transport, host = guarded(stream())
+    for number in range(1000):
+        transport.publisher("/cmd_vel", peer(f"/{'x' * 1000}{number}"))
+        transport.publisher("/cmd_vel", peer(f"/rogue_{number}"))
+    assert len(host.guarded[0].strangers) <= 32
+    assert max(map(len, host.guarded[0].strangers)) <= 128
+
+
+def test_a_killed_node_leaves_the_loop_to_the_other_streams():
+    loop = Loop()
+    transport = MemoryTransport()
+    transport.now, transport.call_at = loop.now, loop.call_at
+    host = Host(transport, [stream()])
+    host.open()
+    transport.publisher(NAV, peer("/nav"))(b"n")
+    host.killed("/rtron/grcn_cmd_vel", "a test")
+    done = []
+    loop.call_later(0.7, lambda: done.append(True))
+    while not done:
+        loop.step(0.01)
+    assert host.guarded[0].pipeline.deadline() is None
+    loop.close()
+
+
+def test_a_timer_that_is_always_due_does_not_hold_up_the_loop():
+    loop = Loop()
+    runs = []
+
+    def again():
+        runs.append(1)
+        loop.call_at(0, again)
+
+    again()
+    for _ in range(20):
+        loop.step(0.01)
+    assert len(runs) == 21
+    loop.close()

@@ -198,3 +198,16 @@ def test_the_type_is_the_drivers_not_the_first_publishers(guard):
         liar.connections[-1].sendall(twist(666))
         with guard.nav() as nav:
             passes(guard, nav, driver, 1)
+
+
+def test_a_publisher_with_a_host_that_is_none_is_tried_again(guard):
+    liar = RawPublisher(guard._ros1.uri, "/nav", NAV)
+    liar._slave.register_function(
+        lambda *_: [1, "", ["TCPROS", f"{'x' * 70}.example", 1]], "requestTopic"
+    )
+    with liar:
+        wait_for(lambda: "a host that is none" in guard.process.log, what="the guard's word")
+        liar._slave.register_function(RawPublisher._request_topic.__get__(liar), "requestTopic")
+        with guard.subscribe() as driver:
+            passes(guard, liar, driver, 1)
+    assert "Traceback" not in guard.process.log

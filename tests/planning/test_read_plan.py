@@ -351,3 +351,15 @@ def test_no_topic_takes_more_flows_than_a_guard_can_sort():
     )
     text = LEAST.split("    flows:", maxsplit=1)[0] + "    flows:\n" + flows
     assert faults(text)[0].endswith("more than 1000 flows into one topic")
+
+
+def test_a_successor_behind_a_pattern_is_refused(tmp_path):
+    path = tmp_path / "rtron.yaml"
+    path.write_text(
+        "schema: rtron.plan/1\napp: a\nros: 1\ngrcn:\n"
+        "  - topic: /cmd_vel\n    mode: enforce\n    policy: Preemption\n"
+        "    successors: [/teleop_twist, /base]\n"
+        "    flows:\n      - {name: flow1, publisher: /teleop_*, priority: 1}\n"
+    )
+    with pytest.raises(PlanError, match="may be one node"):
+        read_plan(path)

@@ -72,10 +72,10 @@ def test_the_settings_of_a_grcn_go_with_its_stream():
     assert settings.policy is PolicyName.PREEMPTION
 
 
-def test_a_later_stage_gives_each_publisher_its_own_block_bit():
+def test_a_later_stage_blocks_a_publisher_before_it_can_take_the_output():
     (stream,) = streams(PLAN)
     general, mission, _ = (stage.settings.flows for stage in stream.stages)
-    assert [(flow.name, flow.block) for flow in general] == [("flow1", False), ("flow2", True)]
+    assert [(flow.name, flow.block) for flow in general] == [("flow1", True), ("flow2", True)]
     assert [(flow.name, flow.block) for flow in mission] == [("flow1", True), ("flow2", False)]
 
 

@@ -14,12 +14,16 @@ from rtron.vocabulary import (
     Flow,
     Mode,
     Stream,
+    StreamKind,
     flow_topic,
     names_node,
     output_topic,
 )
 
 log = logging.getLogger(__name__)
+
+_LONGEST_NAME = 128
+_MOST_STRANGERS = 32
 
 
 class GuardedStream:
@@ -37,6 +41,8 @@ class GuardedStream:
         self.owner_changed: Callable[[str | None], None] = lambda owner: None
         self.strangers: dict[str, int] = {}
         self._transport = transport
+        # A late subscriber is not told an old velocity.
+        self._keeps = stream.stages[0].settings.kind is not StreamKind.COMMAND
         self._armed_for: int | None = None
         self._owner: str | None = None
         self._latching: dict[str, str | None] = dict.fromkeys(names)
@@ -57,6 +63,8 @@ class GuardedStream:
         """Let nothing through any more: a coordination node of the pipeline is gone."""
         log.error("%s: nothing passes any more: %s", self.stream.topic, why)
         self.pipeline.shut(why)
+        for output in (*self._outputs, *self._mirrors.values()):
+            output.forget()
         self._tell_owner()
 
     def _open_outputs(self) -> None:
@@ -78,7 +86,7 @@ class GuardedStream:
         for flow in self.stream.flows:
             topic = flow_topic(self.stream.topic, flow.name)
             self._subscribe(topic, partial(self._connect_flow, flow), self.stream.type)
-            if flow.publisher in self.stream.successors:
+            if any(names_node(flow.publisher, node) for node in self.stream.successors):
                 self._mirrors[flow.name] = self._transport.advertise(
                     self.nodes[-1], topic, self.stream.type, queue_size=self.stream.queue_size
                 )
@@ -91,7 +99,7 @@ class GuardedStream:
             return self._stranger(peer, f"on the private topic of {flow.name}")
         if not self._learn(peer):
             return None
-        self._latching[flow.name] = flow.name if peer.latching else None
+        self._latching[flow.name] = flow.name if peer.latching and self._keeps else None
         return partial(self._receive, flow.name)
 
     def _connect_public(self, peer: Peer) -> Receive | None:
@@ -105,8 +113,10 @@ class GuardedStream:
     def _stranger(self, peer: Peer, where: str) -> Receive | None:
         if not self.stream.block_unapproved and not self._learn(peer):
             return None
-        self.strangers[peer.node] = self.strangers.get(peer.node, 0) + 1
-        log.warning("%s: unapproved publisher %s %s", self.stream.topic, peer.node, where)
+        name = peer.node[:_LONGEST_NAME]
+        if name in self.strangers or len(self.strangers) < _MOST_STRANGERS:
+            self.strangers[name] = self.strangers.get(name, 0) + 1
+        log.warning("%s: unapproved publisher %s %s", self.stream.topic, name, where)
         return partial(self._receive, UNAPPROVED)
 
     def _connect_done(self, peer: Peer) -> Receive | None:

@@ -64,6 +64,8 @@ class Pipeline:
 
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do, or None."""
+        if self.closed:
+            return None
         times = [due for policy in self.policies if (due := policy.deadline()) is not None]
         return min(times, default=None)
 

@@ -62,6 +62,7 @@ def _grcn(grcn: GRCN) -> Iterator[Misfit]:
     yield from _policy(grcn, "a GRCN", grcn.policy, GRCN_POLICIES)
     yield from _flow_names(grcn.flows)
     yield from _publishers(grcn.flows)
+    yield from _shared_names(grcn)
     if grcn.policy in RANKED:
         yield from _priorities(grcn)
     if grcn.sharing is Sharing.MERGE and grcn.policy is not PolicyName.BLOCK:
@@ -69,6 +70,18 @@ def _grcn(grcn: GRCN) -> Iterator[Misfit]:
         yield grcn, "policy", f"{grcn.policy} is not for {grcn.topic}: {why}; choose Block"
     if grcn.done == grcn.topic:
         yield grcn, "done", f"{grcn.topic} cannot tell itself that an action is done"
+
+
+def _shared_names(grcn: GRCN) -> Iterator[Misfit]:
+    """Refuse a successor behind a pattern: it would hear its namesakes past the guard."""
+    for flow, node in product(grcn.flows, grcn.successors):
+        if "*" in flow.publisher + node and _overlap(flow.publisher, node):
+            why = f"{flow.publisher} and the successor {node} may be one node"
+            yield flow, "publisher", f"{why}: give it a flow under its full name"
+
+
+def _overlap(one: str, other: str) -> bool:
+    return names_node(one, other) or names_node(other, one)
 
 
 def _rsrcn(rsrcn: RSRCN) -> Iterator[Misfit]:

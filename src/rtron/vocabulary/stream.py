@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from rtron.vocabulary.enums import CoordinationKind, Mode, PolicyName, StreamKind
+from rtron.vocabulary.names import names_node
 from rtron.vocabulary.plan import GRCN, SECOND, Flow, GuardedTopic, Plan
 
 
@@ -107,8 +108,25 @@ def _bare_stream(guarded: GuardedTopic, mode: Mode) -> Stream:
 
 
 def _append(stream: Stream, stage: Stage, guarded: GuardedTopic) -> Stream:
-    """Add a stage; the stream's flow names stay, the stage gives each publisher its block bit."""
-    blocked = {flow.publisher for flow in guarded.flows if flow.block}
-    flows = tuple(replace(flow, block=flow.publisher in blocked) for flow in stream.flows)
-    settings = replace(stage.settings, flows=flows)
-    return replace(stream, stages=(*stream.stages, replace(stage, settings=settings)))
+    """Add a stage.
+
+    Its block bits hold in the stages before it too: a flow that will not pass must not take the
+    output from others there.
+    """
+    blocked = tuple(flow.publisher for flow in guarded.flows if flow.block)
+    flows = tuple(replace(flow, block=False) for flow in stream.flows)
+    own = replace(stage, settings=replace(stage.settings, flows=flows))
+    stages = tuple(_with_blocks(each, blocked) for each in (*stream.stages, own))
+    return replace(stream, stages=stages)
+
+
+def _with_blocks(stage: Stage, blocked: tuple[str, ...]) -> Stage:
+    flows = tuple(
+        replace(flow, block=flow.block or any(_overlap(flow.publisher, name) for name in blocked))
+        for flow in stage.settings.flows
+    )
+    return replace(stage, settings=replace(stage.settings, flows=flows))
+
+
+def _overlap(one: str, other: str) -> bool:
+    return names_node(one, other) or names_node(other, one)

@@ -12,7 +12,7 @@ from rtron.errors import WireError
 LENGTH = struct.Struct("<I")
 MAX_HEADER = 1 << 20
 """The longest connection header accepted, bytes; a message definition is the long part of it."""
-MAX_FRAME = 1 << 28
+MAX_FRAME = 1 << 26
 """The longest message accepted, bytes."""
 
 

@@ -95,6 +95,11 @@ class MemoryOutput:
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Hand the message to every listener; keep it for late ones."""
         if latched_by is not None:
+            self.latched.pop(latched_by, None)
             self.latched[latched_by] = message
         for heard in self._listeners:
             heard.append(message)
+
+    def forget(self) -> None:
+        """Keep nothing for late listeners any more."""
+        self.latched.clear()

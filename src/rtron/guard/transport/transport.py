@@ -49,6 +49,10 @@ class Output(Protocol):
         """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
         ...
 
+    def forget(self) -> None:
+        """Keep nothing for late subscribers any more."""
+        ...
+
 
 class Transport(Protocol):
     """A middleware, seen from the guard."""

@@ -5,10 +5,11 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from rtron.errors import SourceError, WireError
+from rtron.errors import WireError
+from rtron.guard.transport.ros1.tuning import tune
 from rtron.guard.transport.transport import Peer, TypeInfo
 from rtron.wire.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
-from rtron.wire.xmlrpc import ros_call
+from rtron.wire.xmlrpc import call, ros_call
 
 PATIENCE_S = 3.0
 """How long a publisher may take for each step, seconds."""
@@ -32,9 +33,12 @@ def connect(wish: Wish, uri: str) -> tuple[socket.socket, Peer]:
     protocol or has another type.
     """
     host, port = _address(wish, uri)
-    sock = socket.create_connection((host, port), PATIENCE_S)
     try:
-        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        sock = socket.create_connection((host, port), PATIENCE_S)
+    except ValueError as error:
+        raise WireError(f"{uri} names a host that is none: {host[:64]!r}") from error
+    try:
+        tune(sock)
         sock.sendall(encode_header(_greeting(wish)))
         peer = _peer(wish, uri, _read_header(sock))
         sock.settimeout(0)
@@ -99,8 +103,9 @@ def _peer(wish: Wish, uri: str, fields: dict[str, str]) -> Peer:
 
 
 def _lives_at(wish: Wish, node: str, uri: str) -> bool:
-    """Ask the master whether the name that the peer gives is registered at its address."""
-    try:
-        return bool(ros_call(wish.master, "lookupNode", wish.node, node, timeout=PATIENCE_S) == uri)
-    except (SourceError, WireError):
-        return False
+    """Ask the master whether the name that the peer gives is registered at its address.
+
+    A master that does not answer has not said no: its SourceError goes up, and we try again.
+    """
+    answer = call(wish.master, "lookupNode", wish.node, node, timeout=PATIENCE_S)
+    return isinstance(answer, list) and answer[:1] == [1] and answer[-1] == uri

@@ -15,7 +15,8 @@ log = logging.getLogger(__name__)
 
 Dispatch = Callable[[str, tuple[Any, ...]], list[Any]]
 
-_MAX_REQUEST = 1 << 20
+_MAX_REQUEST = 1 << 16
+_MOST_UNREAD = 1 << 20
 _IDLE_S = 30.0
 _CHUNK = 1 << 16
 
@@ -37,7 +38,6 @@ class XmlRpcConnection:
 
     def _readable(self) -> None:
         data = self._sock.recv(_CHUNK)
-        self._busy = True
         try:
             self._http.receive_data(data)
             while self._take(self._http.next_event()):
@@ -59,6 +59,7 @@ class XmlRpcConnection:
         return event is not h11.NEED_DATA and event is not h11.PAUSED
 
     def _answer(self) -> None:
+        self._busy = True
         method, params = decode_call(bytes(self._body))
         self._body.clear()
         self._reply(encode_response(self._dispatch(method, params)))
@@ -79,6 +80,8 @@ class XmlRpcConnection:
         if not self._out:
             data = data[self._send(data) :]
         self._out += data
+        if len(self._out) > _MOST_UNREAD:
+            raise WireError("the caller does not read its answers")
         if self._out:
             self._loop.await_writable(self._sock, self._writable)
 

@@ -137,8 +137,11 @@ class Loop:
         return wait if longest is None else min(wait, longest)
 
     def _run_timers(self) -> None:
-        while self._timers and self._timers[0][0] <= self.now():
-            self._safely(heapq.heappop(self._timers)[2])
+        now, due = self.now(), []
+        while self._timers and self._timers[0][0] <= now:
+            due.append(heapq.heappop(self._timers)[2])
+        for callback in due:
+            self._safely(callback)
 
     def _drain(self) -> None:
         with suppress(BlockingIOError):

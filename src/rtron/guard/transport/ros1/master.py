@@ -5,6 +5,8 @@ how a registration that somebody took back returns, and how a missed update is m
 """
 
 import logging
+import math
+import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -32,6 +34,7 @@ class Registrar:
         self._pid = 0
         self._round = 0
         self._lost = False
+        self._until = math.inf
         self._asked: set[tuple[str, str, str]] = set()
         loop.post(self._watch)
 
@@ -69,7 +72,8 @@ class Registrar:
                 self._thread.submit(self._quietly, method, node.name, topic, node.uri)
 
     def close(self) -> None:
-        """Wait until all that was asked has been said."""
+        """Wait until all that was asked has been said, or the master has had its time."""
+        self._until = time.monotonic() + _PATIENCE_S
         self._thread.shutdown(wait=True)
 
     def _ask(
@@ -88,8 +92,11 @@ class Registrar:
         self._thread.submit(work)
 
     def _quietly(self, method: str, *params: str) -> object:
+        left = min(_PATIENCE_S, self._until - time.monotonic())
+        if left <= 0:
+            return None
         try:
-            return ros_call(self._master, method, *params, timeout=_PATIENCE_S)
+            return ros_call(self._master, method, *params, timeout=left)
         except RTronError as error:
             log.debug("%s", error)
             return None

@@ -78,12 +78,12 @@ class Node:
 
     def _request_topic(self, _caller: str, topic: Any, protocols: Any) -> list[Any] | None:  # noqa: ANN401
         asked = protocols if isinstance(protocols, list) else []
-        if topic not in self.publications or ["TCPROS"] not in asked:
+        if not isinstance(topic, str) or topic not in self.publications or ["TCPROS"] not in asked:
             return None
         return ["TCPROS", *self.tcpros]
 
     def _publisher_update(self, _caller: str, topic: Any, _publishers: Any) -> int:  # noqa: ANN401
-        if topic in self.subscriptions:
+        if isinstance(topic, str) and topic in self.subscriptions:
             self.updated(topic)
         return 0
 

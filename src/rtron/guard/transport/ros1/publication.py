@@ -58,11 +58,17 @@ class Publication:
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
         if latched_by is not None:
+            self._latched.pop(latched_by, None)
             self._latched[latched_by] = message
         for link in self.links:
             link.send(message)
         if self._early is not None and not self.links:
             self._keep(self._early, message)
+
+    def forget(self) -> None:
+        """Keep nothing for late subscribers any more."""
+        self._latched.clear()
+        self._early = None
 
     def admit(self, link: SubscriberLink, fields: dict[str, str]) -> None:
         """Answer a subscriber's header."""
@@ -105,6 +111,8 @@ class Publication:
                 "latching": "1" if self._latched else "0",
             }
         )
+        if link.is_closed:
+            return
         self.links.append(link)
         for message in [*self._latched.values(), *self._waited()]:
             link.send(message)

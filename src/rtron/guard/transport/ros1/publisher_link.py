@@ -13,7 +13,7 @@ from rtron.wire.tcpros import FrameReader
 
 log = logging.getLogger(__name__)
 
-_CHUNK = 1 << 16
+_CHUNK = 1 << 14
 _LARGEST_READ = 1 << 20
 _FIRST_RETRY_S = 0.1
 _LAST_RETRY_S = 5.0
@@ -62,6 +62,10 @@ class PublisherLink:
             sock, peer = future.result()
         except (OSError, RTronError) as error:
             self._try_later(str(error))
+            return
+        except Exception:
+            log.exception("internal error while connecting to %s", self.uri)
+            self._try_later("internal error")
             return
         if self.is_closed:
             sock.close()

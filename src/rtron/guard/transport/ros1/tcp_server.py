@@ -5,6 +5,7 @@ import socket
 from collections.abc import Callable
 
 from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.transport.ros1.tuning import tune
 
 log = logging.getLogger(__name__)
 
@@ -35,7 +36,7 @@ class TcpServer:
             self._loop.pause(self._sock, _PAUSE_S)
             return
         connection.settimeout(0)
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        tune(connection)
         self._accepted(connection)
 
     def _broken(self, error: Exception) -> None:
