@@ -57,7 +57,7 @@ class Robot:
 
     def forget(self) -> None:
         """Delete what the last drive left in the parameter server, once its nodes are gone."""
-        self._wait("the app to end", lambda: not _NODES & self._nodes())
+        self._wait("the app to end", lambda: not any(map(self._answers, _NODES & self._nodes())))
         for name in ("/demo", "/navigator", "/driver", "/tb3_safe_control"):
             with suppress(SourceError):
                 self._ask("deleteParam", name)
@@ -97,6 +97,14 @@ class Robot:
         except RTronError:
             return False
         return any(row[2] == direction and "cmd_vel" in row[4] for row in found)
+
+    def _answers(self, node: str) -> bool:
+        """Tell whether a node lives; one that was ended by force stays registered."""
+        try:
+            ros_call(self._ask("lookupNode", node), "getPid", _NAME, timeout=_CALL_LIMIT)
+        except RTronError:
+            return False
+        return True
 
     def _nodes(self) -> set[str]:
         state = self._ask("getSystemState")
