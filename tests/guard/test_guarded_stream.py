@@ -273,3 +273,13 @@ def test_a_timer_that_is_always_due_does_not_hold_up_the_loop():
         loop.step(0.01)
     assert len(runs) == 21
     loop.close()
+
+
+def test_what_was_held_when_a_node_is_killed_is_dropped_and_counted():
+    transport, host = guarded(stream(stage(policy=PolicyName.PRIORITY_QUEUE)))
+    transport.publisher(NAV, peer("/nav"))(b"n")
+    transport.publisher(TELEOP, peer("/teleop"))(b"t")
+    tally = host.guarded[0].pipeline.tallies["flow2"]
+    assert (tally.held, tally.dropped) == (1, 0)
+    host.killed("/rtron/grcn_cmd_vel", "a test")
+    assert (tally.held, tally.dropped) == (1, 1)

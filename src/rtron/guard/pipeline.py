@@ -70,8 +70,11 @@ class Pipeline:
         return min(times, default=None)
 
     def shut(self, why: str) -> None:
-        """Let nothing through any more."""
+        """Let nothing through any more; what was held is dropped with a verdict."""
         self.closed = why
+        for policy in self.policies:
+            for release in policy.close():
+                self._count(release.verdict)
 
     @property
     def owner(self) -> str | None:

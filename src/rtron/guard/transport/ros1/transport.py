@@ -80,10 +80,6 @@ class Ros1Transport:
                 self._publications.pop(topic, None)
             node.close()
 
-    def dropped(self) -> int:
-        """Return how many messages slow subscribers have missed."""
-        return sum(link.dropped for p in self._publications.values() for link in p.links)
-
     def close(self) -> None:
         """Unregister everything and close every connection."""
         for name in list(self._nodes):
