@@ -43,6 +43,7 @@ from rtron.vocabulary.names import (
     output_topic,
     without_stamp,
 )
+from rtron.vocabulary.parameters import Parameter, Parameters, ParameterValue, UnknownValue
 from rtron.vocabulary.plan import (
     GRCN,
     MSRCN,
@@ -98,6 +99,9 @@ __all__ = [
     "LaunchTree",
     "Mode",
     "Node",
+    "Parameter",
+    "ParameterValue",
+    "Parameters",
     "Plan",
     "PolicyName",
     "PolicySettings",
@@ -119,6 +123,7 @@ __all__ = [
     "Topic",
     "TopicClass",
     "Trust",
+    "UnknownValue",
     "Unresolved",
     "Verdict",
     "WatchedFlow",

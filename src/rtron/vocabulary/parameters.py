@@ -1,0 +1,81 @@
+"""The parameter server as a launch fills it (ROS wiki: Parameter Server)."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from rtron.vocabulary.graph import Evidence
+
+ParameterValue: TypeAlias = Any
+"""A string, number, bool, list or dict of these, or an UnknownValue."""
+
+
+@dataclass(frozen=True, slots=True)
+class UnknownValue:
+    """A value that is not known before the app runs, and why."""
+
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """One parameter's value, and where it is set."""
+
+    value: ParameterValue
+    evidence: Evidence
+
+
+@dataclass(slots=True)
+class Parameters:
+    """What stands below each absolute name, leaf by leaf; a name without a value is a namespace."""
+
+    leaves: dict[str, Parameter] = field(default_factory=dict)
+
+    def set(self, name: str, parameter: Parameter) -> None:
+        """Set a parameter; a dict becomes one leaf an entry, and what stood below the name goes."""
+        for old in [leaf for leaf in self.leaves if _is_below(leaf, name)]:
+            del self.leaves[old]
+        for leaf, value in _flat(name, parameter.value):
+            self.leaves[leaf] = Parameter(value=value, evidence=parameter.evidence)
+
+    def get(self, name: str) -> Parameter | None:
+        """Return a parameter, or a namespace as a dict of what stands below it; None if neither."""
+        if name in self.leaves:
+            return self.leaves[name]
+        below = {leaf: found for leaf, found in self.leaves.items() if _is_below(leaf, name)}
+        if not below:
+            return None
+        return Parameter(value=_nested(name, below), evidence=next(iter(below.values())).evidence)
+
+    def search(self, name: str, namespace: str) -> str | None:
+        """Return the full name found upwards from `namespace` (ROS wiki: searchParam)."""
+        first = name.split("/")[0]
+        parts = [part for part in namespace.split("/") if part]
+        for depth in range(len(parts), -1, -1):
+            prefix = "".join(f"/{part}" for part in parts[:depth])
+            if self.get(f"{prefix}/{first}") is not None:
+                return f"{prefix}/{name}"
+        return None
+
+
+def _is_below(leaf: str, name: str) -> bool:
+    return leaf == name or leaf.startswith(name.rstrip("/") + "/")
+
+
+def _flat(name: str, value: ParameterValue) -> Iterator[tuple[str, ParameterValue]]:
+    if not isinstance(value, Mapping):
+        yield name, value
+        return
+    for key, inner in value.items():
+        yield from _flat(f"{name.rstrip('/')}/{str(key).strip('/')}", inner)
+
+
+def _nested(name: str, below: Mapping[str, Parameter]) -> dict[str, ParameterValue]:
+    tree: dict[str, ParameterValue] = {}
+    for leaf, found in below.items():
+        *folders, last = leaf[len(name.rstrip("/")) + 1 :].split("/")
+        place = tree
+        for folder in folders:
+            place = place.setdefault(folder, {})
+        place[last] = found.value
+    return tree
