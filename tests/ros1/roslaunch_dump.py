@@ -1,17 +1,25 @@
 """What ROS's own loader makes of a launch file; needs no master. Run with ROS's Python.
 
 Reads a JSON request a line, {"path", "args": {…}, "environ": {…}}, and answers each with a line:
-{"nodes", "tests", "params", "clear_params", "machines", "executables"} or {"error"}.
+{"nodes", "tests", "params", "clear_params", "machines", "executables", "server"} or {"error"}.
+"server" is the master's parameter tree after the launch, "before" in the request that before it.
+With "output" in the request no `command=` is run: each is taken to print that.
 """
 
+import contextlib
 import json
 import os
+import subprocess
 import sys
+import xmlrpc.client
+from functools import partial
 
 import rosgraph.names
 import roslaunch.config
+import roslaunch.launch
 import roslaunch.substitution_args
 import roslaunch.xmlloader
+import rosmaster.paramserver
 
 ANONYMOUS = "_rtron_anonymous"
 NODE_FIELDS = (
@@ -19,10 +27,26 @@ NODE_FIELDS = (
     "output", "cwd", "launch_prefix",
 )  # fmt: skip
 
+POPEN = subprocess.Popen
+
+
+class Printed:
+    """A process that ended well and printed a text."""
+
+    returncode = 0
+
+    def __init__(self, output, *_, **__):
+        self.output = output
+
+    def communicate(self):
+        return self.output.encode(), None
+
 
 def answer(request):
     os.environ.pop("ROS_PACKAGE_PATH", None)
     os.environ.update(request["environ"])
+    run = partial(Printed, request["output"]) if "output" in request else POPEN
+    subprocess.Popen = run  # as roslaunch finds it
     roslaunch.substitution_args._rospack = None
     argv = [f"{name}:={value}" for name, value in request["args"].items()]
     loader = roslaunch.xmlloader.XmlLoader()
@@ -37,7 +61,27 @@ def answer(request):
         "machines": sorted(config.machines),
         "executables": [repr((e.command, e.args)) for e in config.executables],
         "errors": config.config_errors,
+        "server": server(config, request.get("before", {})),
     }
+
+
+def server(config, before):
+    """Return the master's tree after what roslaunch does to it: delete, clear, set."""
+    parameters = rosmaster.paramserver.ParamDictionary(None)
+    parameters.parameters = before
+    deletes = [e.args[1] for e in config.executables if e.args[0] == "delete"]
+    for name in [*deletes, *roslaunch.launch._unify_clear_params(config.clear_params)]:
+        with contextlib.suppress(KeyError):
+            parameters.delete_param(name)
+    for name, param in config.params.items():
+        (sent,), _ = xmlrpc.client.loads(xmlrpc.client.dumps((param.value,)))
+        parameters.set_param(rosgraph.names.resolve_name(name, "/roslaunch"), sent)
+    return parameters.parameters
+
+
+def shown(value):
+    """Return what JSON cannot hold as text."""
+    return "binary data" if isinstance(value, xmlrpc.client.Binary) else repr(value)
 
 
 def node(found):
@@ -61,7 +105,7 @@ def main():
             reply = {"error": f"{type(error).__name__}: {error}"}
         os.environ.clear()
         os.environ.update(before)
-        print(json.dumps(reply), file=out, flush=True)
+        print(json.dumps(reply, default=shown), file=out, flush=True)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,9 @@ class RosLoader:
         self._process.stdout.close()
 
     def load(self, path, args=None, environ=None):
-        request = {"path": str(path), "args": args or {}, "environ": environ or {}}
+        return self.ask({"path": str(path), "args": args or {}, "environ": environ or {}})
+
+    def ask(self, request):
         self._process.stdin.write(json.dumps(request) + "\n")
         self._process.stdin.flush()
         return json.loads(self._process.stdout.readline())

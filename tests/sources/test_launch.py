@@ -120,13 +120,12 @@ def test_an_argument_that_cannot_be_resolved_counts_only_where_it_is_used(launch
     "body",
     [
         NODE.format("$(env NONE)"),
-        f'<group if="$(env NONE)">{NODE.format("n")}</group>',
         f'<group ns="$(env NONE)">{NODE.format("n")}</group>',
         '<arg name="x" default="$(find none)"/>' + NODE.format("$(eval x)"),
         NODE.format("$(eval [x for x in (1, 2)])"),
     ],
 )
-def test_a_node_of_unknown_name_or_condition_is_left_out_and_said(launch, body):
+def test_a_node_of_unknown_name_or_namespace_is_left_out_and_said(launch, body):
     tree = launch(body)
     assert names(tree) == []
     assert len(tree.unresolved) == 1

@@ -1,9 +1,10 @@
-"""A LaunchTree: what a launch file starts, and which element of which file starts it."""
+"""A LaunchTree: what a launch file starts and sets, and which element of which file does."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from rtron.vocabulary.graph import Unresolved
+from rtron.vocabulary.parameters import Parameters
 
 
 def resolve_name(name: str, node: str) -> str:
@@ -39,6 +40,8 @@ class LaunchNode:
 
     `element` counts the elements of its file in document order, the root being 0. `anonymous`
     means that the name changes at every start (`$(anon …)`); `name` then is a pattern with `*`.
+    `environ` has the `<env>` in force, the last of a name counts. `conditional` means that it
+    starts under a condition that is not known.
     """
 
     name: str
@@ -46,9 +49,16 @@ class LaunchNode:
     type: str
     args: str = ""
     remaps: tuple[Remap, ...] = ()
+    environ: tuple[tuple[str, str], ...] = ()
     element: int
     line: int = 0
     anonymous: bool = False
+    conditional: bool = False
+
+    @property
+    def namespace(self) -> str:
+        """The namespace in which the node's relative names resolve."""
+        return self.name.rpartition("/")[0] or "/"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,10 +94,15 @@ class LaunchFile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchTree:
-    """A launch file with everything it includes, evaluated for one set of arguments."""
+    """A launch file with everything it includes, evaluated for one set of arguments.
+
+    `parameters` is the parameter server once everything has started; a value that cannot be
+    known is an UnknownValue.
+    """
 
     root: LaunchFile
     unresolved: tuple[Unresolved, ...] = ()
+    parameters: Parameters = field(default_factory=Parameters)
 
     def nodes(self) -> tuple[LaunchNode, ...]:
         """Return every node that the launch starts."""

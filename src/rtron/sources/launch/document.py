@@ -48,14 +48,19 @@ def parse_xml(path: Path) -> Element:
     """Return a file's root element; raise InputError if it is no XML, too large, or has a DTD."""
     if path.exists() and not path.is_file():
         raise InputError("is no file", path=str(path), help="devices and pipes are not read")
+    return parse_xml_bytes(read_bounded(path, MAX_BYTES), str(path))
+
+
+def parse_xml_bytes(data: bytes, path: str) -> Element:
+    """Return the root element of what was read from `path`; raise InputError as `parse_xml`."""
     parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
     try:
-        root = etree.fromstring(read_bounded(path, MAX_BYTES), parser)
+        root = etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
-        raise InputError(f"not XML: {error.msg}", path=str(path), line=error.lineno or 0) from None
+        raise InputError(f"not XML: {error.msg}", path=path, line=error.lineno or 0) from None
     if etree.ElementTree(root).docinfo.internalDTD is not None:
         help = "take the <!DOCTYPE …> out; entities are not read"
-        raise InputError("has a document type", path=str(path), line=1, help=help)
+        raise InputError("has a document type", path=path, line=1, help=help)
     return root
 
 

@@ -33,13 +33,17 @@ def evaluate(text: str, functions: Mapping[str, Function], argument: Callable[[s
     gives a launch argument and raises KeyError. Raise ValueError if roslaunch could not evaluate
     it either, UnresolvableError if it lies outside the grammar.
     """
+    return str(bounded(str(evaluate_with(Walk(functions, argument), text))))
+
+
+def evaluate_with(walk: "Walk", text: str) -> Value:
+    """Return the value of an expression, by the grammar of `walk`; raise as `evaluate` does."""
     try:
-        value = _Walk(functions, argument).value(_parsed(text))
-        return str(bounded(str(value)))
+        return walk.value(_parsed(text))
     except _WRONG as error:
-        raise ValueError(f"$(eval {text[:80]}): {error}") from None
+        raise ValueError(f"`{text[:80]}`: {error}") from None
     except RecursionError:
-        raise UnresolvableError(f"$(eval {text[:40]}…) is nested too deep") from None
+        raise UnresolvableError(f"`{text[:40]}…` is nested too deep") from None
 
 
 def typed(text: str) -> Value:
@@ -58,21 +62,22 @@ def _parsed(text: str) -> ast.expr:
     if "__" in text:
         raise ValueError("double underscores are not allowed")
     if len(text) > _MAX_TEXT:
-        raise UnresolvableError(f"$(eval {text[:40]}…) is too long")
+        raise UnresolvableError(f"`{text[:40]}…` is too long")
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, MemoryError) as error:
         raise ValueError(str(error)) from None
 
 
-class _Walk:
-    """Evaluates one parsed expression, a method a kind of node."""
+class Walk:
+    """Evaluates one parsed expression, a method a kind of node; a subclass may know more kinds."""
 
     def __init__(self, functions: Mapping[str, Function], argument: Callable[[str], Value]) -> None:
         self._functions = {**FUNCTIONS, **functions}
         self._argument = argument
 
     def value(self, node: ast.expr) -> Value:
+        """Return a node's value; raise UnresolvableError if it is outside the grammar or large."""
         return bounded(self._value(node))
 
     @singledispatchmethod

@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.sources.launch.document import parse_xml
+from rtron.vocabulary import Trust
 
 PackageIndex: TypeAlias = Mapping[str, Path]
 
@@ -41,6 +42,12 @@ def package_name(package: Path) -> str:
     except InputError:
         name = None
     return (name or package.name).strip()
+
+
+def package_trust(package: Path, folders: Iterable[Path]) -> Trust:
+    """Return how far a found package is trusted: its user's own if it lies below `folders`."""
+    ours = any(package.is_relative_to(folder.absolute()) for folder in folders)
+    return Trust.OWN if ours else Trust.THIRD_PARTY
 
 
 def _below(top: Path) -> Iterator[Path]:

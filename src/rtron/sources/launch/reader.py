@@ -2,16 +2,23 @@
 
 import os
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.launch.document import LaunchDocument, line_of, parse_launch
-from rtron.sources.launch.file_reader import FileReader, Reading
+from rtron.sources.launch.commands import Describe
+from rtron.sources.launch.document import LaunchDocument, line_of
+from rtron.sources.launch.file_reader import FileReader
 from rtron.sources.launch.packages import PackageIndex
+from rtron.sources.launch.parameter_server import ParameterServer
+from rtron.sources.launch.reading import Documents, Reading
 from rtron.sources.launch.scope import root_scope
 from rtron.sources.launch.unresolvable import MissingArgumentError
 from rtron.vocabulary import LaunchTree, Unresolved
+
+_TOOLS = {"xacro": Path("xacro")}
+"""Packages that a launch names only to run their programs: they need not be there."""
 
 
 def read_launch(
@@ -19,16 +26,51 @@ def read_launch(
     args: Mapping[str, str],
     packages: PackageIndex,
     environ: Mapping[str, str] = os.environ,
+    *,
+    describe: Describe | None = None,
 ) -> LaunchTree:
-    """Return what `roslaunch PATH name:=value …` would start (ROS wiki: roslaunch/XML).
+    """Return what `roslaunch PATH name:=value …` would start and set (ROS wiki: roslaunch/XML).
 
     Raise InputError, with the line, if the file itself is wrong or lacks an argument. What an
     include lacks, and what this machine lacks, is left out and stands in the tree's `unresolved`.
+    A `<group>`, `<include>` or `<node>` whose condition cannot be known is read as if it counted:
+    a node that may start can steer the robot; its nodes are `conditional`. `describe` makes the
+    robot description of a xacro file; nothing is executed.
     """
-    reading = Reading(packages=packages, environ=environ)
-    reader = FileReader(document=parse_launch(str(path.absolute())), reading=reading)
+    return read_launches([(path, args)], packages, environ, describe=describe)[0]
+
+
+def read_launches(
+    launches: Iterable[tuple[Path, Mapping[str, str]]],
+    packages: PackageIndex,
+    environ: Mapping[str, str] = os.environ,
+    *,
+    describe: Describe | None = None,
+) -> tuple[LaunchTree, ...]:
+    """Return what several runs of roslaunch start, one after the other with one master.
+
+    All trees have the parameters as they are in the end: later launches override, delete and
+    clear. Raise InputError as `read_launch` does.
+    """
+    server, documents, trees = ParameterServer(), Documents(), []
+    for path, args in launches:
+        reading = Reading(
+            packages={**_TOOLS, **packages},
+            environ=environ,
+            describe=describe,
+            documents=documents,
+        )
+        trees.append(_read(path, args, reading))
+        reading.parameters.apply(server)
+    parameters = server.parameters()
+    return tuple(replace(tree, parameters=parameters) for tree in trees)
+
+
+def _read(path: Path, args: Mapping[str, str], reading: Reading) -> LaunchTree:
+    document = reading.documents.launch(str(path.absolute()))
+    reader = FileReader(document=document, reading=reading)
     try:
-        reader.read(root_scope(args, environ.get("ROS_NAMESPACE", "")))
+        reader.read(root_scope(args, reading.environ.get("ROS_NAMESPACE", "")))
     except MissingArgumentError as error:
         raise _lacks_arguments(reader.document, args, error.name) from None
     except RecursionError:
@@ -54,6 +96,7 @@ def _lacks_arguments(document: LaunchDocument, args: Mapping[str, str], used: st
 
 def _doubled(tree: LaunchTree) -> tuple[Unresolved, ...]:
     """Return the names that two nodes have; anonymous ones only look alike."""
-    counted = Counter(node.name for node in tree.nodes() if not node.anonymous)
+    sure = (node for node in tree.nodes() if not node.anonymous and not node.conditional)
+    counted = Counter(node.name for node in sure)
     why = "several nodes have this name; roslaunch refuses the launch"
     return tuple(Unresolved(what=f"node {n}", why=why) for n, times in counted.items() if times > 1)

@@ -1,4 +1,4 @@
-"""What is in force at a place of a launch file: namespace, arguments and remaps.
+"""What is in force at a place of a launch file: namespace, arguments, remaps and the like.
 
 A scope is opened by `<launch>`, `<group>` and `<include>`; what happens in it stays in it, and it
 begins as a copy of the one around it (ROS wiki: roslaunch/XML).
@@ -6,23 +6,50 @@ begins as a copy of the one around it (ROS wiki: roslaunch/XML).
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
 
 from rtron.sources.launch.substitution import Argument
+from rtron.sources.launch.unresolvable import UnresolvableError
+from rtron.vocabulary import Evidence, ParameterValue
 from rtron.vocabulary.launch import canonical_name
 
 _LEGAL_NAME = re.compile(r"[~/A-Za-z][\w/]*")
 
 
+class Doubt(IntEnum):
+    """Whether a place counts hangs on a condition that is not known: its own, or one around it."""
+
+    NONE = 0
+    AROUND = 1
+    OWN = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrivateParameter:
+    """A `<param>` with its name as it is written, before it stands below a node."""
+
+    name: str
+    value: ParameterValue
+    evidence: Evidence
+    doubt: Doubt = Doubt.NONE
+
+
 @dataclass(slots=True, kw_only=True)
 class Scope:
-    """The state at one place. `overrides` marks a file that got all arguments of its includer."""
+    """The state at one place. `overrides` marks a file that got all arguments of its includer.
+
+    `private` holds the `~name` parameters that each following node gets.
+    """
 
     namespace: str = "/"
     arguments: dict[str, Argument] = field(default_factory=dict)
     declared: set[str] = field(default_factory=set)
     remaps: dict[str, str] = field(default_factory=dict)
+    environ: list[tuple[str, str]] = field(default_factory=list)
+    private: dict[str, PrivateParameter] = field(default_factory=dict)
     overrides: bool = False
+    doubt: Doubt = Doubt.NONE
 
     def inner(self, namespace: str | None) -> "Scope":
         """Return the scope of a group or node in `namespace`; raise ValueError if that is none."""
@@ -31,16 +58,30 @@ class Scope:
             arguments=dict(self.arguments),
             declared=set(self.declared),
             remaps=dict(self.remaps),
+            environ=list(self.environ),
+            private=dict(self.private),
+            doubt=min(self.doubt, Doubt.AROUND),
         )
 
     def included(self, namespace: str | None, *, pass_all: bool) -> "Scope":
-        """Return the scope of an included file: our namespace and remaps, its own arguments."""
+        """Return the scope of an included file: our namespace and remaps, its own arguments.
+
+        As in roslaunch, private parameters of the file count after it too, if there were any
+        before it.
+        """
         return Scope(
             namespace=self._below(namespace),
             arguments=dict(self.arguments) if pass_all else {},
             remaps=dict(self.remaps),
+            environ=list(self.environ),
+            private=self.private or {},
             overrides=pass_all,
+            doubt=min(self.doubt, Doubt.AROUND),
         )
+
+    def doubted(self) -> "Scope":
+        """Return this very scope for an element of which it is not known whether it counts."""
+        return replace(self, doubt=Doubt.OWN)
 
     def set_argument(self, name: str, value: Argument) -> None:
         """Give an argument its value; raise ValueError if it has one or is declared twice."""
@@ -54,6 +95,17 @@ class Scope:
         self._declare(name)
         if value is not None:
             self.arguments.setdefault(name, value)
+
+    def unknown_argument(self, name: str, why: str) -> None:
+        """Declare an argument of which no value can be known."""
+        self.declared.add(name)
+        self.arguments[name] = UnresolvableError(why)
+
+    def private_parameter(self, parameter: PrivateParameter) -> None:
+        """Put a `~name` parameter in force; it replaces an earlier one of the same spelling."""
+        name = canonical_name(parameter.name)
+        self.private.pop(name, None)
+        self.private[name] = parameter
 
     def remap(self, written: str, target: str) -> None:
         """Put a remap in force; it replaces an earlier one of the same spelling."""

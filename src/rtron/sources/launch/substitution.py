@@ -21,7 +21,7 @@ _COMMAND = re.compile(r"\$\(([^()$]+)\)")
 _NESTED = re.compile(r"\$\([^()$]*[($]")
 _EVAL = re.compile(r"\$\(eval (.*)\)", re.DOTALL)
 _WORDS = frozenset({"anon", "arg", "dirname", "env", "find", "optenv"})
-_MAX_LENGTH = 64 * 1024
+_MAX_GROWTH = 64 * 1024
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,20 +42,21 @@ class Substitution:
         expression = _EVAL.fullmatch(text)
         if expression:
             return evaluate(expression[1], self._functions(), self._typed)
+        limit = len(text) + _MAX_GROWTH
         for command in _commands(text):
-            text = self._replace_command(text, command)
+            text = self._replace_command(text, command, limit)
         for command in _commands(text):
             if command.split()[0] == "find":
                 text = self._replace_find(text, command)
         return text
 
-    def _replace_command(self, text: str, command: str) -> str:
+    def _replace_command(self, text: str, command: str, limit: int) -> str:
         name, *words = command.split()
         if name == "find":
             return text
         value = self._call(command, name, words)
         written = f"$({command})"
-        if len(text) + text.count(written) * len(value) > _MAX_LENGTH:
+        if len(text) + text.count(written) * len(value) > limit:
             raise UnresolvableError(f"{written} makes a text that is too long")
         return text.replace(written, value)
 
@@ -118,6 +119,11 @@ class Substitution:
         if package not in self.packages:
             raise UnresolvableError(f"package '{package}' is not found")
         return str(self.packages[package])
+
+
+def as_pattern(text: str) -> str:
+    """Return a text with a `*` where roslaunch makes up a part of a name."""
+    return text.replace(ANONYMOUS_MARK, "_*")
 
 
 def _anonymous(name: str) -> str:

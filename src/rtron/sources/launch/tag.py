@@ -64,6 +64,24 @@ class Tag:
             self.fault(f"{attribute}: '{value}' is neither true nor false")
         return _BOOLEANS[value.strip().lower()]
 
+    def boolean(self, attribute: str) -> bool:
+        """Return an attribute that roslaunch takes only as `true` or `false`; false by default."""
+        value = self.optional(attribute)
+        if value is None:
+            return False
+        if value.lower() not in {"true", "false"}:
+            self.fault(f"{attribute}: '{value}' is neither true nor false")
+        return value.lower() == "true"
+
+    def clears(self) -> bool:
+        """Tell what `clear_params` says; empty counts as not written."""
+        return bool(self.optional("clear_params")) and self.boolean("clear_params")
+
+    def text(self) -> str:
+        """Return the text between the element's start and end, other elements left out."""
+        pieces = [self.element.text, *(child.tail for child in self.element)]
+        return "".join(str(piece) for piece in pieces if piece)
+
     def applies(self) -> bool:
         """Tell what `if` and `unless` say."""
         wanted, unwanted = self.flag("if"), self.flag("unless")

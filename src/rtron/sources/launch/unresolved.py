@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from rtron.errors import InputError
+from rtron.sources.launch.scope import Scope
 from rtron.sources.launch.tag import Tag
 from rtron.sources.launch.unresolvable import MissingArgumentError, UnresolvableError
 from rtron.vocabulary import Evidence, Unresolved
@@ -31,14 +32,25 @@ class Notes:
         except ValueError as error:
             tag.fault(str(error))
 
+    def counted(self, tag: Tag, scope: Scope) -> Scope | None:
+        """Return the scope in which an element is read, None where its condition is false.
+
+        Where the condition is not known the element is read too, as it may well count, and the
+        scope says so.
+        """
+        try:
+            return scope if tag.applies() else None
+        except UnresolvableError as error:
+            self.add(tag, f"whether it counts is not known, it is read as if it did: {error}")
+            return scope.doubted()
+
     @contextmanager
     def noting_include(self, tag: Tag) -> Iterator[None]:
         """Note what is wrong with the file that an `<include>` names, and leave it at that."""
         try:
             yield
         except InputError as error:
-            place = [Evidence(file=error.path, line=error.line)] if error.path else []
-            self.add(tag, str(error), *place)
+            self.add_error(tag, error)
         except MissingArgumentError as error:
             self.add(tag, f"the included file needs argument '{error.name}'")
 
@@ -47,6 +59,11 @@ class Notes:
         with self.noting(tag):
             return tag.optional(attribute) or ""
         return str(tag.element.get(attribute))
+
+    def add_error(self, tag: Tag, error: InputError) -> None:
+        """Note what is wrong with a file that an element names, and where in it."""
+        place = [Evidence(file=error.path, line=error.line)] if error.path else []
+        self.add(tag, str(error), *place)
 
     def add(self, tag: Tag, why: str, *evidence: Evidence) -> None:
         """Note that an element is not resolved, and why; further evidence comes after its own."""

@@ -1,0 +1,106 @@
+"""The coordination nodes of a plan as the page draws them over the graph (paper section 5.1)."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from rtron.reports.html_names import Numbers
+from rtron.vocabulary import (
+    GRCN,
+    MSRCN,
+    RSRCN,
+    SECOND,
+    CoordinationKind,
+    Flow,
+    FpsMonitor,
+    GuardedTopic,
+    Plan,
+    WatchedFlow,
+)
+
+
+def plan_data(plan: Plan, names: Numbers) -> list[dict[str, Any]]:
+    """Return each coordination node: what it guards (its flows) and what it only watches."""
+    found = [_grcn(grcn, names) for grcn in plan.grcn]
+    found += [_fps_monitor(monitor, names) for monitor in plan.fps_monitor]
+    found += [_rsrcn(plan.rsrcn, names)] if plan.rsrcn else []
+    found += [_msrcn(plan.msrcn, names)] if plan.msrcn else []
+    return found
+
+
+def _grcn(node: GRCN, names: Numbers) -> dict[str, Any]:
+    guarded = GuardedTopic(
+        topic=node.topic, type=node.type, flows=node.flows, successors=node.successors
+    )
+    return {
+        "kind": CoordinationKind.GRCN.value,
+        "domain": node.domain.value,
+        "sharing": node.sharing.value,
+        "unapproved": "block" if node.block_unapproved else "pass",
+    } | _coordination(node, [guarded], (), names)
+
+
+def _rsrcn(node: RSRCN, names: Numbers) -> dict[str, Any]:
+    return {"kind": CoordinationKind.RSRCN.value} | _coordination(
+        node, node.vflows, node.iflows, names
+    )
+
+
+def _msrcn(node: MSRCN, names: Numbers) -> dict[str, Any]:
+    return {"kind": CoordinationKind.MSRCN.value} | _coordination(
+        node, node.aflows, node.eflows, names
+    )
+
+
+def _fps_monitor(node: FpsMonitor, names: Numbers) -> dict[str, Any]:
+    flow = WatchedFlow(name="frames", topic=node.topic, publisher=node.node)
+    return {
+        "kind": CoordinationKind.FPS_MONITOR.value,
+        "id": node.id,
+        "mode": "",
+        "policy": "",
+        "guards": [],
+        "watches": [_watched(flow, names)],
+    }
+
+
+def _coordination(
+    node: GRCN | RSRCN | MSRCN,
+    guards: Sequence[GuardedTopic],
+    watches: Sequence[WatchedFlow],
+    names: Numbers,
+) -> dict[str, Any]:
+    return {
+        "id": node.id,
+        "mode": node.mode.value,
+        "policy": node.policy.value,
+        "guards": [_guarded(topic, names) for topic in guards],
+        "watches": [_watched(flow, names) for flow in watches],
+    }
+
+
+def _guarded(guarded: GuardedTopic, names: Numbers) -> dict[str, Any]:
+    return {
+        "topic": names.topics[guarded.topic],
+        "flows": [_flow(flow, names) for flow in guarded.flows],
+        "successors": list(guarded.successors),
+    }
+
+
+def _flow(flow: Flow, names: Numbers) -> dict[str, Any]:
+    return {
+        "name": flow.name,
+        "publisher": flow.publisher,
+        "nodes": names.meant_by(flow.publisher),
+        "priority": flow.priority,
+        "block": flow.block,
+        "timeout": None if flow.timeout is None else flow.timeout / SECOND,
+    }
+
+
+def _watched(flow: WatchedFlow, names: Numbers) -> dict[str, Any]:
+    return {
+        "name": flow.name,
+        "topic": names.topics[flow.topic],
+        "publisher": flow.publisher,
+        "nodes": names.meant_by(flow.publisher),
+    }

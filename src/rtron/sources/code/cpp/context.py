@@ -1,0 +1,77 @@
+"""What the lowering of one file carries: its bytes, what was found, and how deep it is."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from tree_sitter import Node
+
+from rtron.sources.code.ir import Class, Function, Name, Problem, Stmt, TypeRef
+
+MAX_DEPTH = 90
+_MAX_PROBLEMS = 100
+
+
+@dataclass(slots=True)
+class Context:
+    """The file being lowered; `scope` is the namespace, class or function that names are in.
+
+    `out` takes the statements of the block being lowered, so that an assignment within an
+    expression can stand before the statement it is in; it is None where it must not.
+    """
+
+    file: str
+    source: bytes
+    scope: str = ""
+    depth: int = 0
+    out: list[Stmt] | None = None
+    template: tuple[str, ...] = ()
+    in_class: bool = False
+    functions: list[Function] = field(default_factory=list)
+    classes: list[Class] = field(default_factory=list)
+    aliases: list[tuple[str, TypeRef]] = field(default_factory=list)
+    usings: list[str] = field(default_factory=list)
+    exports: list[tuple[str, str]] = field(default_factory=list)
+    enums: dict[str, int | None] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+    names: dict[bytes, Name] = field(default_factory=dict)
+    types: dict[bytes, TypeRef | None] = field(default_factory=dict)
+
+    def text(self, node: Node) -> str:
+        """Return a node's source text."""
+        return self.source[node.start_byte : node.end_byte].decode("utf-8", "replace")
+
+    def problem(self, line: int, why: str) -> None:
+        """Note a part that could not be read; the number of notes is bounded."""
+        if len(self.problems) < _MAX_PROBLEMS:
+            self.problems.append(Problem(line, why))
+
+    def too_deep(self, node: Node) -> bool:
+        """Return whether a node lies deeper than is read; then it becomes a problem."""
+        if self.depth < MAX_DEPTH:
+            return False
+        self.problem(line_of(node), "nested too deep to be read")
+        return True
+
+    def qualified(self, name: str) -> str:
+        """Return a name with the scope before it; `::name` is qualified already."""
+        if name.startswith("::"):
+            return name[2:]
+        return f"{self.scope}::{name}" if self.scope else name
+
+    def take_template(self) -> tuple[str, ...]:
+        """Return the template parameters of what is declared next, and forget them."""
+        template, self.template = self.template, ()
+        return template
+
+    @contextmanager
+    def within(self, scope: str, *, in_class: bool = False) -> Iterator[None]:
+        """Enter the scope of a namespace, class or function by its qualified name."""
+        outer, self.scope, self.in_class = (self.scope, self.in_class), scope, in_class
+        yield
+        self.scope, self.in_class = outer
+
+
+def line_of(node: Node) -> int:
+    """Return the line a node begins at."""
+    return node.start_point[0] + 1

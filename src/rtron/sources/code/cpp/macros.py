@@ -1,0 +1,142 @@
+"""Macros: their definitions, and their expansion in a piece of code (C++17, clause 19.3).
+
+An expansion keeps the lines of the code: newlines between a macro's arguments follow its text.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+STRING = r'(?:u8|[uUL])?"(?:\\(?s:.)|[^"\\\n])*"?'
+RAW_STRING = r'(?:u8|[uUL])?R"(?P<raw>[^()\\\s]{0,16})\((?s:.*?)(?:\)(?P=raw)"|\Z)'
+CHARACTER = r"(?:u8|[uUL])?'(?:\\.|[^'\\\n]){1,12}'"
+_TOKEN = re.compile(rf"{RAW_STRING}|{STRING}|{CHARACTER}|\.?\d(?:[\w.']|[eEpP][+-])*|[A-Za-z_]\w*")
+_ARGUMENT = re.compile(rf"{RAW_STRING}|{STRING}|{CHARACTER}|[(),\[\]{{}}]")
+_IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
+_OPEN = re.compile(r"\s*\(")
+_BODY = re.compile(rf"{RAW_STRING}|{STRING}|{CHARACTER}|(?P<paste>\s*##\s*)|#\s*(?P<str>\w+)|\w+")
+_MAX_EXPANDED = 2_000_000
+_MAX_ARGUMENTS = 20_000
+_MAX_DEPTH = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Macro:
+    """A macro; `params` is None where it is object-like, a last one of "..." takes the rest."""
+
+    body: str
+    params: tuple[str, ...] | None = None
+    line: int = 0
+
+
+class Macros:
+    """The macros known at a place of a file, and what they make of its code."""
+
+    def __init__(self) -> None:
+        self.defined: dict[str, Macro] = {}
+        self._left = _MAX_EXPANDED
+        self._depth = 0
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether so much was expanded that the rest was left as it stands."""
+        return self._left <= 0
+
+    def expand(self, code: str) -> str:
+        """Return the code (without directives and comments) with its macros expanded."""
+        if self.defined.keys().isdisjoint(_IDENTIFIER.findall(code)):
+            return code
+        return self._expand(code, frozenset())
+
+    def _expand(self, code: str, hidden: frozenset[str]) -> str:
+        out: list[str] = []
+        position = copied = 0
+        while found := _TOKEN.search(code, position):
+            position = found.end()
+            name = found.group()
+            if name in self.defined and name not in hidden and self._left > 0:
+                used = self._use(name, code, position, hidden)
+                if used is not None:
+                    out += (code[copied : found.start()], used[0])
+                    copied = position = used[1]
+        out.append(code[copied:])
+        return "".join(out)
+
+    def _use(
+        self, name: str, code: str, end: int, hidden: frozenset[str]
+    ) -> tuple[str, int] | None:
+        """Return what the macro becomes and where the code goes on, None if it is no use of it."""
+        macro = self.defined[name]
+        hidden |= {name}
+        if macro.params is None and self._is_alias(macro.body, hidden):
+            return self._use(macro.body, code, end, hidden) or (macro.body, end)
+        body, lines = macro.body, 0
+        if macro.params is not None:
+            call = called(code, end)
+            if call is None:
+                return None
+            args, after = call
+            expanded = [self._bounded(arg, hidden - {name}) for arg in args]
+            body, lines, end = _filled(macro, args, expanded), code.count("\n", end, after), after
+        return self._bounded(body, hidden).replace("\n", " ") + "\n" * lines, end
+
+    def _is_alias(self, body: str, hidden: frozenset[str]) -> bool:
+        return body in self.defined and body not in hidden and len(hidden) < _MAX_DEPTH
+
+    def _bounded(self, body: str, hidden: frozenset[str]) -> str:
+        self._left -= len(body) + 1
+        if self._depth >= _MAX_DEPTH:
+            return body
+        self._depth += 1
+        expanded = self._expand(body, hidden)
+        self._depth -= 1
+        return expanded
+
+
+def called(code: str, end: int) -> tuple[list[str], int] | None:
+    """Return the arguments of a call that may open behind `end`, and where it closes."""
+    opened = _OPEN.match(code, end)
+    if not opened:
+        return None
+    args: list[str] = []
+    depth, start = 0, opened.end()
+    for found in _ARGUMENT.finditer(code, start, start + _MAX_ARGUMENTS):
+        symbol = found.group()
+        if symbol == ")" and depth == 0:
+            return [*args, code[start : found.start()].strip()], found.end()
+        if symbol == "," and depth == 0:
+            args.append(code[start : found.start()].strip())
+            start = found.end()
+        depth += {"(": 1, ")": -1}.get(symbol, 0)
+    return None
+
+
+def _filled(macro: Macro, args: Sequence[str], expanded: Sequence[str]) -> str:
+    """Return the macro's body with its parameters replaced."""
+    raw, full = _bound(macro, args), _bound(macro, expanded)
+    body = macro.body
+
+    def replaced(found: re.Match[str]) -> str:
+        if found["paste"]:
+            return ""
+        if found["str"]:
+            return _quoted(raw[found["str"]]) if found["str"] in raw else found.group()
+        pasted = (
+            body[found.end() :].lstrip()[:2] == "##" or body[: found.start()].rstrip()[-2:] == "##"
+        )
+        return (raw if pasted else full).get(found.group(), found.group())
+
+    return _BODY.sub(replaced, body)
+
+
+def _bound(macro: Macro, args: Sequence[str]) -> dict[str, str]:
+    params = macro.params or ()
+    named = dict(zip((name for name in params if name != "..."), args, strict=False))
+    if params[-1:] == ("...",):
+        named["__VA_ARGS__"] = ", ".join(args[len(params) - 1 :])
+    return named
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ")
+    return f'"{escaped}"'

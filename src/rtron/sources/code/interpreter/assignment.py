@@ -1,0 +1,79 @@
+"""Writes to variables, members and elements."""
+
+from rtron.sources.code.interpreter.frame import Frame, Place
+from rtron.sources.code.interpreter.items import unpacked
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.values import (
+    OPEN,
+    ClassValue,
+    Instance,
+    Known,
+    ListValue,
+    MapValue,
+    ModuleValue,
+    Value,
+    join,
+    options,
+)
+from rtron.sources.code.ir import Attr, Expr, Index, Name, Sequence
+
+
+def assign(machine: Machine, target: Expr, value: Value, frame: Frame) -> None:
+    """Write a value to what an expression names; what cannot be written to is left."""
+    if isinstance(target, Name):
+        machine.trail.set(*machine.world.place(target.id, frame), value)
+    elif isinstance(target, Sequence):
+        for item, part in zip(target.items, unpacked(value, len(target.items)), strict=True):
+            assign(machine, item, part, frame)
+    elif isinstance(target, Attr):
+        _assign_member(machine, target, value, frame)
+    elif isinstance(target, Index):
+        _assign_element(machine, target, value, frame)
+
+
+def place_of(machine: Machine, node: Expr, frame: Frame) -> Place | None:
+    """Return where the value of an expression is kept; None for one that is kept nowhere."""
+    if isinstance(node, Name):
+        return machine.world.place(node.id, frame)
+    if isinstance(node, Attr):
+        owner = machine.evaluate(node.owner, frame)
+        return Place(owner.fields, node.name) if isinstance(owner, Instance) else None
+    if isinstance(node, Index):
+        return _place_of_element(machine, node, frame)
+    return None
+
+
+def _place_of_element(machine: Machine, node: Index, frame: Frame) -> Place | None:
+    owner, key = machine.evaluate(node.owner, frame), machine.evaluate(node.key, frame)
+    if isinstance(owner, MapValue) and isinstance(key, Known):
+        return Place(owner.fields, key.value)
+    return None
+
+
+def _assign_member(machine: Machine, target: Attr, value: Value, frame: Frame) -> None:
+    owners = options(machine.evaluate(target.owner, frame))
+    for owner in owners:
+        if isinstance(owner, (Instance, ClassValue, ModuleValue)):
+            before = owner.fields.get(target.name)
+            new = value if len(owners) == 1 or before is None else join([before, value])
+            machine.trail.set(owner.fields, target.name, new)
+
+
+def _assign_element(machine: Machine, target: Index, value: Value, frame: Frame) -> None:
+    key = machine.evaluate(target.key, frame)
+    for owner in options(machine.evaluate(target.owner, frame)):
+        if isinstance(owner, MapValue):
+            name = key.value if isinstance(key, Known) else OPEN
+            machine.trail.set(owner.fields, name, value)
+        elif isinstance(owner, ListValue):
+            _assign_item(machine, owner, key, value)
+
+
+def _assign_item(machine: Machine, owner: ListValue, key: Value, value: Value) -> None:
+    items = list(owner.items)
+    if isinstance(key, Known) and isinstance(key.value, int) and -len(items) <= key.value < len(items):
+        items[key.value] = value
+    else:
+        items.append(value)
+        machine.trail.set(owner.fields, "open", True)  # noqa: FBT003 - a field's value
+    machine.trail.set(owner.fields, "items", tuple(items))

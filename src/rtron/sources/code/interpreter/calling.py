@@ -1,0 +1,104 @@
+"""Calls: of scanned functions and classes, of native ones, and of what nobody knows."""
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.assignment import place_of
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.items import items_of
+from rtron.sources.code.interpreter.iterators import item_at
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.mutation import mutate
+from rtron.sources.code.interpreter.values import (
+    Choice,
+    ClassValue,
+    Foreign,
+    FunctionValue,
+    Hole,
+    Instance,
+    MapValue,
+    MessageType,
+    Native,
+    NativeClass,
+    Value,
+    each,
+)
+from rtron.sources.code.ir import Attr, Call, Expr, Name, Star, TypeRef
+
+
+def call(machine: Machine, node: Call, frame: Frame) -> Value:
+    """Return what a call returns."""
+    if machine.world.by_reference:
+        changed = mutate(machine, node, frame)
+        if changed is not None:
+            return changed
+    called = machine.evaluate(node.function, frame)
+    arguments = _arguments(machine, node, frame)
+    return dispatch(machine, called, arguments)
+
+
+def dispatch(machine: Machine, called: Value, arguments: Arguments) -> Value:
+    """Call any value; of several, each."""
+    if isinstance(called, Choice):
+        return each(called, lambda option: dispatch(machine, option, arguments))
+    if isinstance(called, Native):
+        return called.call(machine, called.owner, arguments)
+    if isinstance(called, NativeClass):
+        return called.make(machine, arguments) if called.make else Instance(called)
+    if isinstance(called, FunctionValue):
+        return machine.call(called, arguments)
+    if isinstance(called, ClassValue):
+        return machine.world.instantiate(called, arguments)
+    if isinstance(called, MessageType):
+        return Instance(NativeClass(called.name), dict(arguments.keywords))
+    return _call_unknown(machine, called, arguments)
+
+
+def _call_unknown(machine: Machine, called: Value, arguments: Arguments) -> Value:
+    """Whoever is called may call back what it is given."""
+    if isinstance(called, Instance):
+        name = "operator()" if machine.world.by_reference else "__call__"
+        method = machine.world.attribute(called, name, ())
+        if method is not None:
+            return dispatch(machine, method, arguments)
+    for value in (*arguments.values, *arguments.keywords.values()):
+        machine.escape(value)
+    return Hole(f"{called_name(called)}()")
+
+
+def called_name(called: Value) -> str:
+    """Return what something unknown is called in the source."""
+    if isinstance(called, Foreign):
+        return called.name
+    return called.why if isinstance(called, Hole) else "?"
+
+
+def _arguments(machine: Machine, node: Call, frame: Frame) -> Arguments:
+    values: list[Value] = []
+    for arg in node.args:
+        if isinstance(arg, Star):
+            values.extend(items_of(machine.evaluate(arg.value, frame))[0])
+        else:
+            values.append(item_at(machine.evaluate(arg, frame)))
+    by_reference = machine.world.by_reference
+    return Arguments(
+        values=tuple(values),
+        keywords=_keywords(machine, node, frame),
+        places=tuple(place_of(machine, a, frame) for a in node.args) if by_reference else (),
+        types=_types(node.function),
+        line=node.line,
+        frame=frame,
+    )
+
+
+def _keywords(machine: Machine, node: Call, frame: Frame) -> dict[str, Value]:
+    keywords: dict[str, Value] = {}
+    for name, expression in node.keywords:
+        value = machine.evaluate(expression, frame)
+        if name != "**":
+            keywords[name] = value
+        elif isinstance(value, MapValue):
+            keywords.update({str(key): entry for key, entry in value.entries.items()})
+    return keywords
+
+
+def _types(function: Expr) -> tuple[TypeRef, ...]:
+    return function.types if isinstance(function, (Name, Attr)) else ()

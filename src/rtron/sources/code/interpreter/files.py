@@ -1,0 +1,41 @@
+"""What a program asks its workspace for; the workspace answers lazily."""
+
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from rtron.sources.code.ir import Unit
+
+
+class Plugin(NamedTuple):
+    """A class that pluginlib would load, and the sources of its library."""
+
+    cls: str
+    sources: tuple[Path, ...]
+
+
+class Files(Protocol):
+    """The source around a program."""
+
+    def unit(self, path: Path) -> Unit:
+        """Return a file, lowered."""
+        ...
+
+    def header(self, include: str, includer: Path) -> Path | None:
+        """Return the file that `#include` means, where the workspace has it."""
+        ...
+
+    def python_module(self, dotted: str, importer: Path) -> Path | None:
+        """Return the file of a Python module or package, where the workspace has it."""
+        ...
+
+    def has_message(self, package: str, name: str) -> bool | None:
+        """Tell whether a package defines a message type; None if the package is not known."""
+        ...
+
+    def package_path(self, package: str) -> Path | None:
+        """Return where a package lies."""
+        ...
+
+    def plugin(self, name: str, base: str) -> Plugin | None:
+        """Return the class that pluginlib knows by a name or type."""
+        ...

@@ -1,0 +1,55 @@
+"""What a loop over a value sees."""
+
+from rtron.sources.code.interpreter.values import (
+    Choice,
+    Hole,
+    Instance,
+    Known,
+    ListValue,
+    MapValue,
+    NativeClass,
+    Value,
+    options,
+)
+
+PAIR = NativeClass("std::pair")
+
+
+def items_of(value: Value, name: str = "?") -> tuple[tuple[Value, ...], bool]:
+    """Return the items of a value, and whether these are all; `name` is what they are called."""
+    if isinstance(value, Choice):
+        found = [items_of(option, name)[0] for option in options(value)]
+        return tuple(item for items in found for item in items), False
+    if isinstance(value, ListValue):
+        return value.items, not value.open
+    if isinstance(value, MapValue):
+        return _entries(value), not value.open
+    if isinstance(value, Instance) and value.type is PAIR:
+        return (value.fields["first"], value.fields["second"]), True
+    if isinstance(value, Known) and isinstance(value.value, str):
+        return tuple(Known(letter, value.tainted) for letter in value.value), True
+    return (), value == Known(None)
+
+
+def pair(first: Value, second: Value) -> Instance:
+    """Return a std::pair."""
+    return Instance(PAIR, {"first": first, "second": second})
+
+
+def listed(items: "tuple[Value, ...] | list[Value]", kind: str = "list") -> ListValue:
+    """Return a list of just these items."""
+    return ListValue({"items": tuple(items)}, kind)
+
+
+def unpacked(value: Value, count: int) -> tuple[Value, ...]:
+    """Return a value taken apart into `count` variables."""
+    items, certain = items_of(value)
+    if certain and len(items) == count:
+        return items
+    return tuple(Hole(getattr(value, "why", "?")) for _ in range(count))
+
+
+def _entries(value: MapValue) -> tuple[Value, ...]:
+    if value.pairs:
+        return tuple(pair(Known(key), entry) for key, entry in value.entries.items())
+    return tuple(Known(key) for key in value.entries)

@@ -1,0 +1,85 @@
+"""Loops: unrolled where the rounds are known, run once in doubt where they are not."""
+
+from collections.abc import Callable, Iterator
+
+from rtron.sources.code.interpreter.assignment import assign
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.items import items_of
+from rtron.sources.code.interpreter.machine import Machine, Outcome
+from rtron.sources.code.interpreter.values import Hole, Instance, Known, Text, Value, truth
+from rtron.sources.code.ir import Expr, ForEach, Name, While
+
+MAX_ROUNDS = 128
+MAX_DISCOVERIES = 2
+
+_LEAVES = {"return", "raise"}
+
+
+def for_each(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
+    """Run `for target in iterable`."""
+    items, certain = items_of(machine.evaluate(node.iterable, frame), named(node.target))
+    for item in items[:MAX_ROUNDS]:
+        assign(machine, node.target, item, frame)
+        outcome = machine.execute(node.body, frame)
+        if outcome == "break":
+            return None
+        if outcome in _LEAVES:
+            return outcome
+    if not certain:
+        in_doubt(machine, frame, lambda: _round(machine, node, frame))
+    return None
+
+
+def named(target: Expr) -> str:
+    """Return what a loop's unknown item is called."""
+    return target.id if isinstance(target, Name) else "?"
+
+
+def _round(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
+    hole = Hole(named(node.target))
+    assign(machine, node.target, hole, frame)
+    return machine.execute(node.body, frame)
+
+
+def while_(machine: Machine, node: While, frame: Frame) -> Outcome:
+    """Run `while`, `do … while` and `for (;;)`."""
+    if node.first:
+        outcome = machine.execute(node.body, frame)
+        if outcome not in {None, "continue"}:
+            return outcome if outcome in _LEAVES else None
+    for _ in range(MAX_ROUNDS):
+        decided = truth(machine.evaluate(node.test, frame))
+        if decided is None:
+            break
+        outcome = machine.execute(node.body, frame) if decided else "break"
+        if outcome == "break":
+            return None
+        if outcome in _LEAVES:
+            return outcome
+        machine.execute(node.step, frame)
+    in_doubt(machine, frame, lambda: machine.execute(node.body + node.step, frame))
+    return None
+
+
+def in_doubt(machine: Machine, frame: Frame, run: Callable[[], Outcome]) -> None:
+    """Run a loop's body once, what it counts made unknown first."""
+    if machine.discovering < MAX_DISCOVERIES:
+        for place, key, value in list(_changed(machine, run)):
+            machine.trail.set(place, key, value)
+    machine.trail.either([lambda: run() is None, lambda: True], frame.variables)
+
+
+def _changed(
+    machine: Machine, run: Callable[[], Outcome]
+) -> Iterator[tuple[dict[object, object], object, Value]]:
+    """Yield the places whose number or string the body changes, with a hole for each."""
+    with machine.unheard():
+        writes, _ = machine.trail.trial(lambda: run() is None)
+    for place, key, after in writes.values():
+        before = place.get(key)
+        if _is_scalar(before) and _is_scalar(after) and before != after:
+            yield place, key, Hole(str(key))
+
+
+def _is_scalar(value: object) -> bool:
+    return isinstance(value, (Known, Text)) and not isinstance(value, Instance)

@@ -1,0 +1,121 @@
+"""The abstract machine: runs a program's IR on values that may be known in part only.
+
+Where a condition is decided, one side runs; where it is not, both do, from the same state. Loops
+over what is known are unrolled; others run once, with what they change made unknown. What is
+called by a library nobody sees (callbacks, threads, virtual methods) runs after the program.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.overloads import choose
+from rtron.sources.code.interpreter.recorder import Recorder
+from rtron.sources.code.interpreter.trail import Trail
+from rtron.sources.code.interpreter.values import FunctionValue, Hole, ListValue, Value, join
+from rtron.sources.code.interpreter.world import World
+from rtron.sources.code.ir import Expr, Function, Stmt
+
+MAX_STEPS = 400_000
+MAX_CALLS = 48
+MAX_SAME = 3
+
+Outcome: TypeAlias = str | None
+"""How a block ended: "return", "break", "continue", "raise", or None where it goes on."""
+
+
+class StepsExceededError(Exception):
+    """The program is larger than what is run of it."""
+
+
+class ThrownError(Exception):
+    """An exception of the scanned program that is certain, by its class's name."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.name = name
+
+
+@dataclass(eq=False, slots=True)
+class Machine:
+    """The state of one run: what was written, what was declared, what is still to be called."""
+
+    world: World
+    recorder: Recorder
+    evaluators: dict[type, Callable[["Machine", "Expr", Frame], Value]]
+    executors: dict[type, Callable[["Machine", "Stmt", Frame], Outcome]]
+    trail: Trail = field(default_factory=Trail)
+    pending: list[FunctionValue] = field(default_factory=list)
+    instances: list[Value] = field(default_factory=list)
+    parameters: dict[str, Value] = field(default_factory=dict)
+    ran: set[tuple[str, int, str]] = field(default_factory=set)
+    catching: int = 0
+    discovering: int = 0
+    _steps: int = 0
+    _stack: list[Function] = field(default_factory=list)
+
+    def evaluate(self, node: Expr, frame: Frame) -> Value:
+        """Return the value of an expression."""
+        self._count()
+        return self.evaluators[type(node)](self, node, frame)
+
+    def execute(self, block: tuple[Stmt, ...], frame: Frame) -> Outcome:
+        """Run statements until one ends the block."""
+        for statement in block:
+            self._count()
+            outcome = self.executors[type(statement)](self, statement, frame)
+            if outcome is not None:
+                return outcome
+        return None
+
+    def call(self, called: FunctionValue, arguments: Arguments) -> Value:
+        """Call a scanned function; recursion that does not end is a hole."""
+        if len(called.overloads) > 1:
+            called = replace(called, function=choose(called.overloads, arguments), overloads=())
+        function = called.function
+        if function.body is None or not self._may_enter(function):
+            return Hole(f"{function.name}()", type=function.returns)
+        frame = self.world.frame(called, arguments)
+        self.run(function, frame)
+        if frame.yields:
+            return ListValue({"items": tuple(frame.yields)})
+        return join(frame.returns)
+
+    def run(self, function: Function, frame: Frame) -> None:
+        """Run a function's body in a frame that is ready."""
+        if not self._may_enter(function):
+            return
+        self.ran.add((function.file, function.line, function.name))
+        self._stack.append(function)
+        try:
+            self.execute(function.body or (), frame)
+        finally:
+            self._stack.pop()
+
+    def escape(self, value: Value | None) -> None:
+        """Remember a function that somebody else will call."""
+        if isinstance(value, FunctionValue) and all(value is not other for other in self.pending):
+            self.pending.append(value)
+
+    @contextmanager
+    def unheard(self) -> Iterator[None]:
+        """Run something only to see what it changes: what it declares is not recorded."""
+        self.discovering += 1
+        self.recorder.muted += 1
+        try:
+            yield
+        finally:
+            self.recorder.muted -= 1
+            self.discovering -= 1
+
+    def _may_enter(self, function: Function) -> bool:
+        same = sum(1 for active in self._stack if active is function)
+        return len(self._stack) < MAX_CALLS and same < MAX_SAME
+
+    def _count(self) -> None:
+        self._steps += 1
+        if self._steps > MAX_STEPS:
+            raise StepsExceededError

@@ -1,0 +1,67 @@
+"""Methods of C++ that change the variable itself: smart pointers and strings.
+
+A smart pointer is kept as what it points at and a string as its value, so that `p.reset(x)` and
+`s.append(x)` are writes to the place of `p` and `s`.
+"""
+
+from rtron.sources.code.interpreter.assignment import place_of
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.values import (
+    NONE,
+    Hole,
+    Known,
+    Text,
+    Value,
+    concat,
+    options,
+)
+from rtron.sources.code.ir import Attr, Call
+
+POINTER_METHODS = frozenset({"get", "lock", "release", "toStrongRef"})
+_WRITERS = frozenset({"reset", "append", "push_back", "assign", "clear"})
+
+
+def mutate(machine: Machine, node: Call, frame: Frame) -> Value | None:
+    """Do a call that changes its owner's place; None for every other call."""
+    if not isinstance(node.function, Attr):
+        return None
+    name = node.function.name
+    if name in POINTER_METHODS and not node.args:
+        return _pointee(machine, node.function, frame)
+    if name not in _WRITERS:
+        return None
+    owner = machine.evaluate(node.function.owner, frame)
+    if any(machine.world.attribute(option, name, ()) is not None for option in options(owner)):
+        return None
+    return _write(machine, node, owner, frame)
+
+
+def _pointee(machine: Machine, function: Attr, frame: Frame) -> Value | None:
+    owner = machine.evaluate(function.owner, frame)
+    own = any(machine.world.attribute(option, function.name, ()) for option in options(owner))
+    return None if own else owner
+
+
+def _write(machine: Machine, node: Call, owner: Value, frame: Frame) -> Value:
+    assert isinstance(node.function, Attr)  # noqa: S101 - mutate looked
+    values = [machine.evaluate(arg, frame) for arg in node.args]
+    place = place_of(machine, node.function.owner, frame)
+    new = _changed(node.function.name, owner, values)
+    if place is not None:
+        machine.trail.set(*place, new)
+    return new
+
+
+def _changed(name: str, owner: Value, values: list[Value]) -> Value:
+    if name == "reset":
+        return values[0] if values else NONE
+    if name == "clear":
+        return Known("") if _is_text(owner) else owner
+    if not _is_text(owner) or not values:
+        return Hole(name)
+    return values[0] if name == "assign" else concat((owner, values[0]))
+
+
+def _is_text(value: Value) -> bool:
+    return isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str))

@@ -1,0 +1,52 @@
+"""Which of several C++ functions of one name a call means."""
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.values import (
+    Choice,
+    ClassValue,
+    FunctionValue,
+    Hole,
+    Instance,
+    Known,
+    Text,
+    Value,
+)
+from rtron.sources.code.ir import Function, Param, TypeRef
+
+_NUMBERS = {"int", "double", "float", "bool", "long", "short", "size_t", "uint32_t", "int32_t"}
+_TEXTS = {"std::string", "string", "char", "QString"}
+
+
+def choose(functions: tuple[Function, ...], arguments: Arguments) -> Function:
+    """Return the function that fits a call best: by the number of arguments, then by their types."""
+    return max(functions, key=lambda function: _score(function, arguments))
+
+
+def _score(function: Function, arguments: Arguments) -> tuple[bool, bool, int]:
+    count = len(arguments.values)
+    most = len(function.params)
+    least = sum(1 for param in function.params if param.default is None and param.kind == "plain")
+    varied = any(param.kind != "plain" for param in function.params)
+    fits = least <= count and (count <= most or varied)
+    pairs = zip(function.params, arguments.values, strict=False)
+    return fits, function.body is not None, sum(_match(param, value) for param, value in pairs)
+
+
+def _match(param: Param, value: Value) -> int:
+    if param.type is None or isinstance(value, (Hole, Choice)):
+        return 0
+    last = param.type.name.rpartition("::")[2]
+    if isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str)):
+        return 2 if param.type.name in _TEXTS else -_is_scalar(param.type)
+    if isinstance(value, Known):
+        return 1 if param.type.name in _NUMBERS else -1
+    if isinstance(value, Instance):
+        name = value.type.name.rpartition("::")[2]
+        return 3 if name == last or name in str(param.type) else -2 * _is_scalar(param.type)
+    if isinstance(value, (FunctionValue, ClassValue)):
+        return -2 * _is_scalar(param.type)
+    return 0
+
+
+def _is_scalar(type: TypeRef) -> int:
+    return int(type.name in _NUMBERS or type.name in _TEXTS)

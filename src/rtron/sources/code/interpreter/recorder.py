@@ -1,0 +1,95 @@
+"""Collects what a program declares while it is interpreted."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtron.sources.code.interpreter.values import (
+    Hole,
+    Known,
+    Text,
+    Value,
+    is_tainted,
+    options,
+    spelled,
+)
+from rtron.sources.code.ir import Problem
+from rtron.sources.declaration import (
+    Declaration,
+    DeclarationKind,
+    NodeInterface,
+    NodeSite,
+    StartedLaunch,
+)
+from rtron.vocabulary import Evidence, Resolution, Unresolved
+from rtron.vocabulary.launch import resolve_name
+
+MAX_DECLARATIONS = 2000
+
+
+@dataclass(slots=True)
+class Recorder:
+    """What a node at `site` declares; `muted` counts the trial runs that must leave no trace."""
+
+    site: NodeSite
+    muted: int = 0
+    _declarations: dict[tuple[DeclarationKind, str, str], Declaration] = field(default_factory=dict)
+    _starts: dict[StartedLaunch, None] = field(default_factory=dict)
+    _unresolved: dict[Unresolved, None] = field(default_factory=dict)
+
+    def declare(  # noqa: PLR0913 - a declaration's parts
+        self,
+        kind: DeclarationKind,
+        name: Value,
+        type: str,
+        evidence: Evidence,
+        *,
+        implicit: bool = False,
+        latched: bool = False,
+    ) -> None:
+        """Record a declared name, once for each of its options."""
+        for option in options(name):
+            declared = Declaration(
+                kind=kind,
+                name=resolve_name(spelled(option), self.site.name),
+                type=type,
+                implicit=implicit,
+                latched=latched,
+                resolution=_resolution(option),
+                evidence=(evidence,),
+            )
+            self._add(declared)
+
+    def start(self, path: str, args: tuple[str, ...], evidence: Evidence) -> None:
+        """Record a launch file that the node starts."""
+        if not self.muted:
+            self._starts[StartedLaunch(path=path, args=args, evidence=(evidence,))] = None
+
+    def unresolved(self, what: str, why: str, evidence: Evidence) -> None:
+        """Record what could not be found out."""
+        if not self.muted and len(self._unresolved) < MAX_DECLARATIONS:
+            self._unresolved[Unresolved(what=what, why=why, evidence=(evidence,))] = None
+
+    def problem(self, path: Path, problem: Problem) -> None:
+        """Record a part of a file that could not be read."""
+        place = Evidence(file=str(path), line=problem.line)
+        self.unresolved(path.name, problem.why, place)
+
+    def result(self) -> NodeInterface:
+        """Return all that was recorded."""
+        return NodeInterface(
+            declarations=tuple(self._declarations.values()),
+            starts=tuple(self._starts),
+            unresolved=tuple(self._unresolved),
+        )
+
+    def _add(self, declared: Declaration) -> None:
+        if self.muted or len(self._declarations) >= MAX_DECLARATIONS:
+            return
+        key = (declared.kind, declared.name, declared.type)
+        self._declarations.setdefault(key, declared)
+
+
+def _resolution(name: Value) -> Resolution:
+    if not isinstance(name, Known):
+        return Resolution.SYMBOLIC if isinstance(name, (Hole, Text)) else Resolution.LITERAL
+    return Resolution.PARAMETER if is_tainted(name) else Resolution.LITERAL

@@ -1,0 +1,153 @@
+"""What each kind of statement does."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from rtron.sources.code.interpreter import iteration
+from rtron.sources.code.interpreter.assignment import assign
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.machine import Machine, Outcome, ThrownError
+from rtron.sources.code.interpreter.values import NONE, truth
+from rtron.sources.code.ir import (
+    Assign,
+    Break,
+    Continue,
+    Declare,
+    Define,
+    Delete,
+    Evaluate,
+    ForEach,
+    Global,
+    If,
+    Import,
+    Raise,
+    Return,
+    Stmt,
+    Try,
+    While,
+    Yield,
+)
+
+
+def branch(
+    machine: Machine, frame: Frame, blocks: tuple[tuple[Stmt, ...], ...]
+) -> Outcome:
+    """Run each of the blocks, one of which is taken; return how they all end, if alike."""
+    outcomes: list[Outcome] = []
+
+    def run(block: tuple[Stmt, ...]) -> bool:
+        outcomes.append(machine.execute(block, frame))
+        return outcomes[-1] is None
+
+    machine.trail.either([partial(run, block) for block in blocks], frame.variables)
+    return outcomes[0] if len(set(outcomes)) == 1 else None
+
+
+def _evaluate(machine: Machine, node: Evaluate, frame: Frame) -> Outcome:
+    machine.evaluate(node.value, frame)
+    return None
+
+
+def _assign(machine: Machine, node: Assign, frame: Frame) -> Outcome:
+    value = machine.evaluate(node.value, frame)
+    for target in node.targets:
+        assign(machine, target, value, frame)
+    return None
+
+
+def _declare(machine: Machine, node: Declare, frame: Frame) -> Outcome:
+    machine.world.declare(node, frame)
+    return None
+
+
+def _if(machine: Machine, node: If, frame: Frame) -> Outcome:
+    decided = truth(machine.evaluate(node.test, frame))
+    if decided is None:
+        return branch(machine, frame, (node.body, node.orelse))
+    return machine.execute(node.body if decided else node.orelse, frame)
+
+
+def _return(machine: Machine, node: Return, frame: Frame) -> Outcome:
+    value = machine.evaluate(node.value, frame) if node.value is not None else NONE
+    frame.returns.append(value)
+    return "return"
+
+
+def _yield(machine: Machine, node: Yield, frame: Frame) -> Outcome:
+    if node.value is not None:
+        frame.yields.append(machine.evaluate(node.value, frame))
+    return None
+
+
+def _raise(machine: Machine, node: Raise, frame: Frame) -> Outcome:
+    if node.value is not None:
+        machine.evaluate(node.value, frame)
+    return "raise"
+
+
+def _try(machine: Machine, node: Try, frame: Frame) -> Outcome:
+    thrown, outcome = _attempt(machine, node, frame)
+    if thrown is None and outcome is None:
+        outcome = machine.execute(node.orelse, frame)
+    handlers = [body for names, _, body in node.handlers if _catches(names, thrown)]
+    if thrown is not None and handlers:
+        outcome = machine.execute(handlers[0], frame)
+    elif outcome == "raise" and handlers:
+        outcome = machine.execute(handlers[0], frame)
+    elif handlers and thrown is None:
+        branch(machine, frame, ((), *handlers))
+    return machine.execute(node.final, frame) or outcome
+
+
+def _attempt(machine: Machine, node: Try, frame: Frame) -> tuple[str | None, Outcome]:
+    machine.catching += bool(node.handlers)
+    try:
+        return None, machine.execute(node.body, frame)
+    except ThrownError as error:
+        return error.name, None
+    finally:
+        machine.catching -= bool(node.handlers)
+
+
+def _catches(names: tuple[str, ...], thrown: str | None) -> bool:
+    general = {"Exception", "BaseException", "...", "LookupError", ""}
+    return thrown is None or not names or any(n in general or n.endswith(thrown) for n in names)
+
+
+def _define(machine: Machine, node: Define, frame: Frame) -> Outcome:
+    machine.world.define(node, frame)
+    return None
+
+
+def _import(machine: Machine, node: Import, frame: Frame) -> Outcome:
+    machine.world.import_(node, frame)
+    return None
+
+
+def _global(_: Machine, node: Global, frame: Frame) -> Outcome:
+    frame.globals.update(node.names)
+    return None
+
+
+def _nothing(_: Machine, __: Delete, ___: Frame) -> Outcome:
+    return None
+
+
+EXECUTORS: Mapping[type, Callable[..., Outcome]] = {
+    Assign: _assign,
+    Break: lambda machine, node, frame: "break",
+    Continue: lambda machine, node, frame: "continue",
+    Declare: _declare,
+    Define: _define,
+    Delete: _nothing,
+    Evaluate: _evaluate,
+    ForEach: iteration.for_each,
+    Global: _global,
+    If: _if,
+    Import: _import,
+    Raise: _raise,
+    Return: _return,
+    Try: _try,
+    While: iteration.while_,
+    Yield: _yield,
+}

@@ -1,0 +1,120 @@
+"""The names of a C++ program: all its files, and the headers they include, in one table."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtron.sources.code.interpreter.files import Files
+from rtron.sources.code.ir import Class, Declare, Function, TypeRef, Unit
+
+MAX_FILES = 600
+_MAX_ALIASES = 12
+
+
+@dataclass(eq=False, slots=True)
+class Symbols:
+    """Functions, classes, variables, aliases and enumerators, by their qualified names."""
+
+    files: Files
+    functions: dict[str, list[Function]] = field(default_factory=dict)
+    classes: dict[str, Class] = field(default_factory=dict)
+    variables: dict[str, tuple[Declare, str]] = field(default_factory=dict)
+    aliases: dict[str, TypeRef] = field(default_factory=dict)
+    enums: dict[str, int | None] = field(default_factory=dict)
+    usings: list[str] = field(default_factory=list)
+    exports: list[tuple[str, str]] = field(default_factory=list)
+    units: dict[Path, Unit] = field(default_factory=dict)
+    _plain: dict[str, list[Function]] = field(default_factory=dict)
+    _methods: dict[str, list[str]] = field(default_factory=dict)
+
+    def load(self, path: Path) -> None:
+        """Take in a file and the headers it includes, headers first."""
+        if path in self.units or len(self.units) >= MAX_FILES:
+            return
+        unit = self.files.unit(path)
+        self.units[path] = unit
+        for include in unit.includes:
+            header = self.files.header(include, path)
+            if header is not None:
+                self.load(header)
+        self._take(unit)
+
+    def named(self, plain: str) -> tuple[Function, ...]:
+        """Return the functions whose last part is a name."""
+        return tuple(self._plain.get(plain, ()))
+
+    def methods(self, cls: str) -> list[str]:
+        """Return the names of the methods defined for a class."""
+        return self._methods.get(cls, [])
+
+    def candidates(self, name: str, scope: str) -> Iterator[str]:
+        """Yield the qualified names that a name may mean in a namespace or class, nearest first."""
+        if name.startswith("::"):
+            yield name[2:]
+            return
+        parts = scope.split("::") if scope else []
+        for depth in range(len(parts), -1, -1):
+            yield "::".join((*parts[:depth], name))
+        for using in self.usings:
+            if using.rpartition("::")[2] == name.split("::", maxsplit=1)[0]:
+                yield using + name[len(name.split("::", maxsplit=1)[0]) :]
+            yield f"{using}::{name}"
+
+    def type(self, type: TypeRef, scope: str) -> TypeRef:
+        """Return a type with its typedefs and namespace aliases followed."""
+        for _ in range(_MAX_ALIASES):
+            known = self._aliased(type, scope)
+            if known is None:
+                return type
+            type, scope = known
+        return type
+
+    def class_named(self, name: str, scope: str) -> Class | None:
+        """Return the scanned class that a name means."""
+        for candidate in self.candidates(name, scope):
+            if candidate in self.classes:
+                return self.classes[candidate]
+        return None
+
+    def _aliased(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
+        for candidate in self.candidates(type.name, scope):
+            if candidate in self.classes:
+                return None
+            found = self.aliases.get(candidate)
+            if found is not None and found != type:
+                inner = candidate.rpartition("::")[0]
+                return TypeRef(found.name, found.args or type.args), inner
+        return self._in_aliased_namespace(type, scope)
+
+    def _in_aliased_namespace(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
+        """`namespace mf = message_filters;` makes `mf::Subscriber` a message_filters::Subscriber."""
+        head, _, rest = type.name.partition("::")
+        if not rest:
+            return None
+        for candidate in self.candidates(head, scope):
+            found = self.aliases.get(candidate)
+            if found is not None and found.name != head:
+                return TypeRef(f"{found.name}::{rest}", type.args), ""
+        return None
+
+    def _take(self, unit: Unit) -> None:
+        for function in unit.functions:
+            self.functions.setdefault(function.name, []).append(function)
+            owner, _, plain = function.name.rpartition("::")
+            self._plain.setdefault(plain, []).append(function)
+            if function.body is not None:
+                self._methods.setdefault(owner, []).append(plain)
+        for definition in unit.classes:
+            self.classes.setdefault(definition.name, definition)
+        for statement in unit.body:
+            if isinstance(statement, Declare):
+                self._take_variable(statement, unit.file)
+        self.aliases.update(unit.aliases)
+        self.enums.update(unit.enums)
+        self.usings.extend(using for using in unit.usings if using not in self.usings)
+        self.exports.extend(unit.exports)
+
+    def _take_variable(self, declared: Declare, file: str) -> None:
+        known = self.variables.get(declared.name)
+        if known is None or known[0].value is None:
+            self.variables[declared.name] = (declared, file)

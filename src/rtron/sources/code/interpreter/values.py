@@ -1,0 +1,317 @@
+"""What a variable may hold while source is interpreted: known, partly known, or one of several.
+
+Strings may have holes: `Text(("", Hole("~prefix"), "/scan"))`. `tainted` marks what came out of
+the parameter server, so that an endpoint can say how its name became known.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from rtron.sources.code.ir import Class, Function, TypeRef
+
+MAX_CHOICES = 24
+MAX_PARTS = 24
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """A str, int, float, bool, bytes or None."""
+
+    value: Any
+    tainted: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Hole:
+    """A value that cannot be known, and what it is called in the source: `~prefix`, `argv[1]`."""
+
+    why: str = "?"
+    tainted: bool = False
+    type: TypeRef | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A string of which parts are holes."""
+
+    parts: tuple[str | Hole, ...]
+    tainted: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of several values; which, is decided where nothing can be known."""
+
+    options: tuple["Value", ...]
+
+
+@dataclass(eq=False, slots=True)
+class Instance:
+    """An object: of a scanned class, or of a native one whose `fields` a native module defines."""
+
+    type: "ClassValue | NativeClass"
+    fields: dict[Any, "Value"] = field(default_factory=dict)
+    types: tuple[TypeRef, ...] = ()
+
+
+@dataclass(eq=False, slots=True)
+class ListValue:
+    """A list, tuple, set or C++ container; `open` says that it may hold more than `items`."""
+
+    fields: dict[Any, Any] = field(default_factory=dict)
+    kind: str = "list"
+
+    @property
+    def items(self) -> tuple["Value", ...]:
+        """The items, in order."""
+        return self.fields.get("items", ())  # type: ignore[no-any-return]
+
+    @property
+    def open(self) -> bool:
+        """Whether there may be items that are not known."""
+        return bool(self.fields.get("open"))
+
+
+@dataclass(eq=False, slots=True)
+class MapValue:
+    """A dict or std::map; keys are the Known values' own, `OPEN` marks unknown further entries.
+
+    `pairs` marks a map of C++, whose items are pairs.
+    """
+
+    fields: dict[Any, "Value"] = field(default_factory=dict)
+    pairs: bool = False
+
+    @property
+    def entries(self) -> dict[Any, "Value"]:
+        """The known entries."""
+        return {key: value for key, value in self.fields.items() if key is not OPEN}
+
+    @property
+    def open(self) -> bool:
+        """Whether there may be entries that are not known."""
+        return OPEN in self.fields
+
+
+class _Open:
+    """The key of a MapValue's unknown entries."""
+
+
+OPEN = _Open()
+
+
+@dataclass(eq=False, slots=True)
+class FunctionValue:
+    """A scanned function, with the frame it was defined in and the object it is bound to."""
+
+    function: Function
+    closure: Any = None
+    owner: "Value | None" = None
+    given: tuple["Value", ...] = ()
+    cls: "ClassValue | None" = None
+    types: tuple[TypeRef, ...] = ()
+    overloads: tuple[Function, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Placeholder:
+    """`_1`, `_2` in boost::bind."""
+
+    place: int
+
+
+@dataclass(eq=False, slots=True)
+class ClassValue:
+    """A scanned class: its bases, and what stands in its body."""
+
+    definition: Class
+    bases: tuple["Value", ...] = ()
+    fields: dict[Any, "Value"] = field(default_factory=dict)
+    closure: Any = None
+
+    @property
+    def name(self) -> str:
+        """The class's name as it is defined."""
+        return self.definition.name
+
+
+@dataclass(eq=False, slots=True)
+class ModuleValue:
+    """A Python module: what its body has defined."""
+
+    name: str
+    fields: dict[Any, "Value"] = field(default_factory=dict)
+    file: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class MessageType:
+    """A message, service or action type: `std_msgs/String`."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Native:
+    """A function of a library that RTron knows; `owner` is what it is bound to."""
+
+    name: str
+    call: Callable[..., "Value"]
+    owner: Any = None
+    types: tuple[TypeRef, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NativeClass:
+    """A class of a library that RTron knows: how it is made and what its methods do."""
+
+    name: str
+    make: Callable[..., "Value"] | None = None
+    methods: dict[str, Callable[..., "Value"]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Foreign:
+    """Something of a library nobody knows, by its dotted name."""
+
+    name: str
+
+
+Value: TypeAlias = (
+    Known
+    | Hole
+    | Text
+    | Choice
+    | Instance
+    | ListValue
+    | MapValue
+    | FunctionValue
+    | ClassValue
+    | ModuleValue
+    | MessageType
+    | Native
+    | NativeClass
+    | Foreign
+    | Placeholder
+)
+
+NONE = Known(None)
+TRUE = Known(True)  # noqa: FBT003 - the value itself
+FALSE = Known(False)  # noqa: FBT003 - the value itself
+
+
+def known_text(text: str, *, tainted: bool = False) -> Known:
+    """Return a known string."""
+    return Known(text, tainted)
+
+
+def options(value: "Value | None") -> tuple[Value, ...]:
+    """Return what a value may be, one after the other."""
+    if value is None:
+        return ()
+    return value.options if isinstance(value, Choice) else (value,)
+
+
+def join(values: Iterable[Value]) -> Value:
+    """Return the value that may be any of `values`; too many of them are a hole."""
+    found: list[Value] = []
+    for value in values:
+        found.extend(option for option in options(value) if not _among(option, found))
+    if not found:
+        return NONE
+    if len(found) > MAX_CHOICES:
+        return Hole("many")
+    return found[0] if len(found) == 1 else Choice(tuple(found))
+
+
+def _among(value: Value, found: list[Value]) -> bool:
+    return any(value is other or (type(value) is type(other) and value == other) for other in found)
+
+
+def each(value: Value, function: Callable[[Value], Value]) -> Value:
+    """Return what `function` makes of each option."""
+    if not isinstance(value, Choice):
+        return function(value)
+    return join([function(option) for option in value.options])
+
+
+def truth(value: Value) -> bool | None:
+    """Return whether a value counts as true; None if that cannot be known."""
+    if isinstance(value, Known):
+        return bool(value.value)
+    if isinstance(value, Choice):
+        answers = {truth(option) for option in value.options}
+        return answers.pop() if len(answers) == 1 else None
+    if isinstance(value, ListValue):
+        return True if value.items else (None if value.open else False)
+    if isinstance(value, MapValue):
+        return True if value.entries else (None if value.open else False)
+    if isinstance(value, (Hole, Foreign)):
+        return None
+    if isinstance(value, Text):
+        return True if any(isinstance(part, str) and part for part in value.parts) else None
+    return True
+
+
+def is_tainted(value: Value) -> bool:
+    """Tell whether a value came out of the parameter server, or has a part that did."""
+    if isinstance(value, Choice):
+        return any(map(is_tainted, value.options))
+    return isinstance(value, (Known, Hole, Text)) and value.tainted
+
+
+def parts_of(value: Value) -> tuple[str | Hole, ...]:
+    """Return a value as the parts of a string."""
+    if isinstance(value, Known):
+        return (plain(value.value),)
+    if isinstance(value, Text):
+        return value.parts
+    if isinstance(value, Hole):
+        return (value,)
+    return (Hole("?"),)
+
+
+def plain(value: Any) -> str:  # noqa: ANN401 - any Python value
+    """Return a value as str() shows it."""
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def concat(values: Iterable[Value]) -> Value:
+    """Return the string that `values` make together, over every combination of options."""
+    results: list[tuple[tuple[str | Hole, ...], bool]] = [((), False)]
+    for value in values:
+        results = [
+            (parts + parts_of(option), tainted or is_tainted(option))
+            for parts, tainted in results
+            for option in options(value)
+        ][:MAX_CHOICES]
+    return join([_text(parts, tainted=tainted) for parts, tainted in results])
+
+
+def _text(parts: tuple[str | Hole, ...], *, tainted: bool) -> Value:
+    merged: list[str | Hole] = []
+    for part in parts[:MAX_PARTS]:
+        if isinstance(part, str) and merged and isinstance(merged[-1], str):
+            merged[-1] += part
+        elif part != "":
+            merged.append(part)
+    if all(isinstance(part, str) for part in merged):
+        return Known("".join(map(str, merged)), tainted)
+    return Text(tuple(merged), tainted)
+
+
+def spelled(value: Value) -> str:
+    """Return a string value with its holes in braces."""
+    return "".join(
+        part if isinstance(part, str) else f"{{{part.why}}}" for part in parts_of(value)
+    )
+
+
+def texts(value: Value) -> Iterator[Value]:
+    """Yield the options that are, or may be, strings."""
+    for option in options(value):
+        if isinstance(option, (Hole, Text)) or (
+            isinstance(option, Known) and isinstance(option.value, (str, bytes))
+        ):
+            yield option

@@ -1,0 +1,68 @@
+"""What differs between the languages, as the machine asks for it."""
+
+from collections.abc import Iterator
+from typing import Protocol
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.files import Files
+from rtron.sources.code.interpreter.frame import Frame, Place
+from rtron.sources.code.interpreter.values import FunctionValue, Value
+from rtron.sources.code.ir import Class, Declare, Define, Function, Import, Name, New, TypeRef
+
+
+class World(Protocol):
+    """The names a program can see, and how its objects are made.
+
+    `by_reference` says that a call may write to what it is given (C++).
+    """
+
+    by_reference: bool
+    files: Files
+
+    def lookup(self, name: Name, frame: Frame) -> Value:
+        """Return what a name means; a Hole or Foreign where nobody knows."""
+        ...
+
+    def place(self, name: str, frame: Frame) -> Place:
+        """Return where a name is kept when it is assigned to."""
+        ...
+
+    def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
+        """Return a member of a value, bound to it; None where it has none of that name."""
+        ...
+
+    def new(self, node: New, frame: Frame) -> Value:
+        """Make an object (C++)."""
+        ...
+
+    def declare(self, node: Declare, frame: Frame) -> None:
+        """Make a variable (C++)."""
+        ...
+
+    def define(self, node: Define, frame: Frame) -> None:
+        """Bind a function or class (Python)."""
+        ...
+
+    def import_(self, node: Import, frame: Frame) -> None:
+        """Bind what an import brings (Python)."""
+        ...
+
+    def frame(self, called: FunctionValue, arguments: Arguments) -> Frame:
+        """Return the frame that a call of a scanned function runs in, its parameters bound."""
+        ...
+
+    def instantiate(self, called: Value, arguments: Arguments) -> Value:
+        """Make an object of a scanned class."""
+        ...
+
+    def method_names(self, definition: Class) -> list[str]:
+        """Return the names of the methods that a class defines itself."""
+        ...
+
+    def lineage(self, cls: Value) -> Iterator[Value]:
+        """Yield a class and its bases, nearest first."""
+        ...
+
+    def named(self, name: str) -> tuple[Function, ...]:
+        """Return the scanned functions with a plain name, in whatever class."""
+        ...

@@ -1,0 +1,376 @@
+"""The standard library of C++, and boost and Qt in its place, as far as names depend on it."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.items import items_of, listed, pair
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.operations import percent
+from rtron.sources.code.interpreter.values import (
+    NONE,
+    OPEN,
+    FunctionValue,
+    Hole,
+    Instance,
+    Known,
+    ListValue,
+    MapValue,
+    Native,
+    NativeClass,
+    Placeholder,
+    Value,
+    concat,
+    each,
+    is_tainted,
+    options,
+    spelled,
+)
+from rtron.sources.code.ir import TypeRef
+from rtron.sources.code.natives.started import shell_words, started_by_words
+
+_NUMBERS: Mapping[str, object] = {
+    **dict.fromkeys(("int", "long", "short", "size_t", "unsigned", "uint32_t", "int32_t", "uint8_t"), 0),
+    **dict.fromkeys(("double", "float"), 0.0),
+    "bool": False,
+}
+
+
+def _text(_: Machine, arguments: Arguments) -> Value:
+    given = arguments.get(0)
+    return Known("") if given is None else given
+
+
+def _number(name: str, _: Machine, arguments: Arguments) -> Value:
+    """A number that is not initialised may be anything."""
+    given = arguments.get(0)
+    return Hole(name) if given is None else given
+
+
+def _vector(_: Machine, arguments: Arguments) -> Value:
+    given = arguments.get(0)
+    if isinstance(given, ListValue):
+        return ListValue(dict(given.fields))
+    if isinstance(given, Known) and isinstance(given.value, int) and len(arguments.values) <= 2:  # noqa: PLR2004
+        fill = arguments.get(1) or Hole("item")
+        return listed([fill] * max(0, min(given.value, 256)))
+    if given is not None:
+        return ListValue({"items": (), "open": True})
+    return listed(())
+
+
+def _map(_: Machine, arguments: Arguments) -> Value:
+    made = MapValue(pairs=True)
+    given = arguments.get(0)
+    if isinstance(given, MapValue):
+        return MapValue(dict(given.fields), pairs=True)
+    for item in items_of(given)[0] if given is not None else ():
+        key, value = (*items_of(item)[0], Hole("?"), Hole("?"))[:2]
+        made.fields[key.value if isinstance(key, Known) else OPEN] = value
+    return made
+
+
+def _array(machine: Machine, arguments: Arguments) -> Value:
+    """`T name[n]`: as many as it says of what T is by default."""
+    given = arguments.get(0)
+    if isinstance(given, ListValue):
+        return given
+    types = arguments.types
+    size = int(types[1].name) if len(types) > 1 and types[1].name.isdigit() else 0
+    element: Value = Hole("item")
+    if types:
+        element = machine.world.default(types[0], arguments.frame)
+    return ListValue({"items": (element,) * min(size, 64), "open": size == 0})
+
+
+def _pair(_: Machine, arguments: Arguments) -> Value:
+    first, second = (*arguments.values, Hole("first"), Hole("second"))[:2]
+    return pair(first, second)
+
+
+def _make_pair(machine: Machine, _: object, arguments: Arguments) -> Value:
+    return _pair(machine, arguments)
+
+
+def _pointer(_: Machine, arguments: Arguments) -> Value:
+    """A smart pointer is what it points at."""
+    return arguments.get(0) or NONE
+
+
+def _make_shared(machine: Machine, _: object, arguments: Arguments) -> Value:
+    type = arguments.types[0] if arguments.types else TypeRef("?")
+    return machine.world.make(type, arguments)
+
+
+def _same(_: Machine, __: object, arguments: Arguments) -> Value:
+    return arguments.get(0) or NONE
+
+
+def _to_string(_: Machine, __: object, arguments: Arguments) -> Value:
+    def shown(value: Value) -> Value:
+        if isinstance(value, Known) and isinstance(value.value, float):
+            return Known(f"{value.value:f}", value.tainted)
+        if isinstance(value, Known) and isinstance(value.value, bool):
+            return Known(str(int(value.value)), value.tainted)
+        return concat((value,))
+
+    return each(arguments.get(0) or Known(""), shown)
+
+
+def _lexical_cast(machine: Machine, _: object, arguments: Arguments) -> Value:
+    target = str(arguments.types[0]) if arguments.types else "std::string"
+    if "string" in target:
+        return concat((arguments.get(0) or Known(""),))
+    return _parsed(float if target in {"double", "float"} else int, machine, None, arguments)
+
+
+def _parsed(make: Callable[[object], object], _: Machine, __: object, arguments: Arguments) -> Value:
+    value = arguments.get(0)
+    if not isinstance(value, Known):
+        return Hole("number", value is not None and is_tainted(value))
+    try:
+        return Known(make(value.value), value.tainted)
+    except (TypeError, ValueError):
+        return Hole("number")
+
+
+def _stream(_: Machine, arguments: Arguments) -> Value:
+    return Instance(_STREAM, {"text": arguments.get(0) or Known("")})
+
+
+def _write(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+    added = concat((owner.fields["text"], arguments.get(0) or Known("")))
+    machine.trail.set(owner.fields, "text", added)
+    return owner
+
+
+def _read(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+    if arguments.values:
+        machine.trail.set(owner.fields, "text", arguments.values[0])
+    return owner.fields["text"]
+
+
+def _getline(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`getline(stream, line, separator)`: the text up to a separator, while there is any."""
+    stream, place = arguments.get(0), arguments.place(1)
+    separator = arguments.get(2) or Known("\n")
+    if not isinstance(stream, Instance) or stream.type is not _STREAM or place is None:
+        return _forget(machine, arguments)
+    text = stream.fields["text"]
+    if not (isinstance(text, Known) and isinstance(separator, Known)):
+        return _forget(machine, arguments)
+    line, _, rest = str(text.value).partition(str(separator.value))
+    if not text.value:
+        return Known(value=False)
+    machine.trail.set(*place, Known(line, text.tainted))
+    machine.trail.set(stream.fields, "text", Known(rest, text.tainted))
+    return Known(value=True)
+
+
+def _forget(machine: Machine, arguments: Arguments) -> Value:
+    place = arguments.place(1)
+    if place is not None:
+        machine.trail.set(*place, Hole("line"))
+    return Hole("getline")
+
+
+def _extract(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+    """`stream >> word` of a known text."""
+    text, place = owner.fields["text"], arguments.place(0)
+    if not isinstance(text, Known) or place is None:
+        return Hole("stream")
+    word, _, rest = str(text.value).lstrip().partition(" ")
+    machine.trail.set(*place, Known(word, text.tainted))
+    machine.trail.set(owner.fields, "text", Known(rest, text.tainted))
+    return owner if word else Known(value=False)
+
+
+def _boost_format(_: Machine, arguments: Arguments) -> Value:
+    return Instance(_FORMAT, {"text": arguments.get(0) or Known("")})
+
+
+def _fill(_: Machine, owner: Instance, arguments: Arguments) -> Value:
+    """`boost::format("%s_%d") % a % b`: each % fills the next place."""
+    template = owner.fields["text"]
+    if not isinstance(template, Known):
+        return owner
+    before, mark, after = str(template.value).partition("%")
+    number = after[:1].isdigit() and after[1:2] == "%"
+    spec, rest = ("s", after[2:]) if number else (after[:1], after[1:])
+    filled = percent(Known(f"{before}{mark}{spec}"), listed((arguments.get(0) or NONE,), "tuple"))
+    return Instance(_FORMAT, {"text": concat((filled, Known(rest)))})
+
+
+def _bind(_: Machine, __: object, arguments: Arguments) -> Value:
+    """`boost::bind(&C::method, object, _1)`: the method, bound to the object (boost: bind)."""
+    called, given = arguments.get(0), arguments.values[1:]
+    if not isinstance(called, FunctionValue):
+        return Hole("bind")
+    is_method = called.owner is None and "::" in called.function.name and not called.function.static
+    if is_method and given and isinstance(given[0], Instance):
+        return _method(called, given[0], given[1:])
+    if called.owner is not None and given and given[0] is called.owner:
+        given = given[1:]
+    return FunctionValue(
+        called.function, called.closure, called.owner, given, called.cls, called.types, called.overloads
+    )
+
+
+def _method(called: FunctionValue, owner: Instance, given: tuple[Value, ...]) -> FunctionValue:
+    cls = called.cls or (owner.type if not isinstance(owner.type, NativeClass) else None)
+    return FunctionValue(
+        called.function, called.closure, owner, given, cls, called.types, called.overloads
+    )
+
+
+def _thread(machine: Machine, arguments: Arguments) -> Value:
+    """A thread runs what it is given."""
+    bound = _bind(machine, None, arguments) if len(arguments.values) > 1 else arguments.get(0)
+    machine.escape(bound)
+    return Instance(_THREAD)
+
+
+def _function(_: Machine, arguments: Arguments) -> Value:
+    return arguments.get(0) or Hole("function")
+
+
+def _sprintf(offset: int, machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`sprintf(buffer, format, …)`, `snprintf(buffer, size, format, …)`."""
+    place, format = arguments.place(0), arguments.get(offset)
+    if place is None or format is None:
+        return Hole("sprintf")
+    text = percent(format, listed(arguments.values[offset + 1 :], "tuple"))
+    machine.trail.set(*place, text)
+    return Hole("sprintf")
+
+
+def _getenv(machine: Machine, _: object, arguments: Arguments) -> Value:
+    name = arguments.get(0)
+    environ = dict(machine.recorder.site.environ)
+    if isinstance(name, Known):
+        return Known(environ[str(name.value)]) if name.value in environ else NONE
+    return Hole("getenv")
+
+
+def _system(machine: Machine, _: object, arguments: Arguments) -> Value:
+    for option in options(arguments.get(0)):
+        started_by_words(machine, shell_words(spelled(option)), arguments)
+    return Hole("system")
+
+
+def _for_each(machine: Machine, _: object, arguments: Arguments) -> Value:
+    for value in arguments.values:
+        machine.escape(value)
+    return NONE
+
+
+def _split(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`boost::split(words, text, boost::is_any_of(" "))` (boost: string algorithms)."""
+    words, text, separators = arguments.get(0), arguments.get(1), arguments.get(2)
+    if not isinstance(words, ListValue):
+        return NONE
+    if not (isinstance(text, Known) and isinstance(separators, Known)):
+        machine.trail.set(words.fields, "open", True)  # noqa: FBT003 - a field's value
+        return words
+    pieces = str(text.value)
+    for letter in str(separators.value)[1:]:
+        pieces = pieces.replace(letter, str(separators.value)[0])
+    found = pieces.split(str(separators.value)[:1] or None)
+    machine.trail.set(words.fields, "items", tuple(Known(piece, text.tainted) for piece in found))
+    return words
+
+
+def _compare_texts(_: Machine, __: object, arguments: Arguments) -> Value:
+    left, right = arguments.get(0), arguments.get(1)
+    if isinstance(left, Known) and isinstance(right, Known):
+        a, b = str(left.value), str(right.value)
+        return Known((a > b) - (a < b), left.tainted)
+    return Hole("strcmp")
+
+
+_THREAD = NativeClass("boost::thread")
+_STREAM = NativeClass(
+    "std::stringstream",
+    _stream,
+    {"operator<<": _write, "operator>>": _extract, "str": _read, "toStdString": _read},
+)
+_FORMAT = NativeClass(
+    "boost::format", _boost_format, {"operator%": _fill, "str": _read, "toStdString": _read}
+)
+
+
+def _classes() -> dict[str, NativeClass]:
+    classes = {name: NativeClass(name, partial(_number, name)) for name in _NUMBERS}
+    for name, make in _MAKERS.items():
+        for space in ("", "std::", "boost::", "boost::unordered::"):
+            classes[space + name] = NativeClass(space + name, make)
+    for name in ("stringstream", "ostringstream", "istringstream"):
+        classes["std::" + name] = classes[name] = _STREAM
+    for name in ("boost::format", "format"):
+        classes[name] = _FORMAT
+    classes["QString"] = classes["char"] = NativeClass("QString", _text)
+    return classes
+
+
+_MAKERS: Mapping[str, Callable[..., Value]] = {
+    "string": _text,
+    **dict.fromkeys(("vector", "list", "deque", "set", "unordered_set", "queue", "stack"), _vector),
+    **dict.fromkeys(("map", "unordered_map", "multimap"), _map),
+    "array": _array,
+    "pair": _pair,
+    **dict.fromkeys(("shared_ptr", "unique_ptr", "scoped_ptr", "auto_ptr", "weak_ptr"), _pointer),
+    **dict.fromkeys(("thread", "async"), _thread),
+    "function": _function,
+}
+_CALLS: Mapping[str, Callable[..., Value]] = {
+    **dict.fromkeys(("make_shared", "make_unique"), _make_shared),
+    **dict.fromkeys(("move", "ref", "cref", "forward", "static_pointer_cast", "dynamic_pointer_cast"), _same),
+    "make_pair": _make_pair,
+    "to_string": _to_string,
+    "lexical_cast": _lexical_cast,
+    "bind": _bind,
+    "mem_fn": _same,
+    "getline": _getline,
+    "stoi": partial(_parsed, int),
+    "stod": partial(_parsed, float),
+    "for_each": _for_each,
+    "split": _split,
+    "is_any_of": _same,
+    "str": _same,
+    "async": lambda machine, _, arguments: _thread(machine, arguments),
+}
+
+
+def _functions() -> dict[str, Native]:
+    functions = {
+        f"{space}{name}": Native(name, call)
+        for name, call in _CALLS.items()
+        for space in ("std::", "boost::", "boost::algorithm::", "boost::this_thread::")
+    }
+    plain: Mapping[str, Callable[..., Value]] = {
+        "bind": _bind,
+        "sprintf": partial(_sprintf, 1),
+        "snprintf": partial(_sprintf, 2),
+        "atoi": partial(_parsed, int),
+        "atof": partial(_parsed, float),
+        "getenv": _getenv,
+        "std::getenv": _getenv,
+        "system": _system,
+        "std::system": _system,
+        "popen": _system,
+        "strcmp": _compare_texts,
+        "QString::fromStdString": _same,
+        "std::ref": _same,
+    }
+    functions.update({name: Native(name, call) for name, call in plain.items()})
+    return functions
+
+
+PLACEHOLDERS = {
+    f"{space}_{n}": Placeholder(n)
+    for space in ("", "boost::placeholders::", "std::placeholders::", "placeholders::")
+    for n in range(1, 10)
+}
+CPP_STD_CLASSES = _classes()
+CPP_STD_FUNCTIONS = _functions()
+

@@ -1,0 +1,54 @@
+"""Message types as source names them, in Python and C++."""
+
+from rtron.sources.code.interpreter.values import MessageType
+from rtron.sources.code.ir import TypeRef
+
+_KINDS = {"msg", "srv"}
+_POINTERS = {
+    "boost::shared_ptr",
+    "std::shared_ptr",
+    "shared_ptr",
+    "boost::shared_ptr const",
+    "ros::MessageEvent",
+    "MessageEvent",
+    "message_filters::MessageEvent",
+}
+_SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr")
+
+
+def is_message_package(dotted: str) -> bool:
+    """Tell whether a Python module is one of generated messages: `std_msgs.msg`."""
+    return dotted.rpartition(".")[2] in _KINDS and dotted.count(".") == 1
+
+
+def message_type(dotted: str) -> MessageType | None:
+    """Return the type that `std_msgs.msg.String` means; None for any other name."""
+    parts = dotted.split(".")
+    if len(parts) >= 3 and parts[1] in _KINDS and parts[2][:1].isupper():  # noqa: PLR2004
+        return MessageType(f"{parts[0]}/{parts[2]}")
+    return None
+
+
+def cpp_message(type: TypeRef | None) -> str:
+    """Return the message that a C++ type means: `std_msgs::String::ConstPtr` is std_msgs/String.
+
+    Empty for what does not look like a message of a package.
+    """
+    if type is None:
+        return ""
+    if type.name in _POINTERS and type.args:
+        return cpp_message(type.args[0])
+    parts = [part for part in type.name.split("::") if part]
+    if len(parts) > 2 and parts[-1] in _SUFFIXES:  # noqa: PLR2004
+        parts.pop()
+    if len(parts) != 2 or not parts[1][:1].isupper():  # noqa: PLR2004
+        return ""
+    return f"{parts[0]}/{_without_suffix(parts[1])}"
+
+
+def _without_suffix(name: str) -> str:
+    name = name.removesuffix("_")
+    for suffix in _SUFFIXES:
+        if name.endswith(suffix) and name != suffix:
+            return name.removesuffix(suffix)
+    return name

@@ -1,0 +1,229 @@
+"""Python's standard library, and the tools of ROS that read files and start launches."""
+
+import os.path
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.items import items_of, listed
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.values import (
+    NONE,
+    Hole,
+    Instance,
+    Known,
+    ListValue,
+    MapValue,
+    Native,
+    NativeClass,
+    Value,
+    concat,
+    options,
+    spelled,
+)
+from rtron.sources.code.natives.started import shell_words, started_by_words
+
+
+def _known(values: tuple[Value, ...]) -> list[str] | None:
+    texts = [str(value.value) for value in values if isinstance(value, Known)]
+    return texts if len(texts) == len(values) else None
+
+
+def _path(function: Callable[..., str], machine: Machine, _: object, arguments: Arguments) -> Value:
+    del machine
+    texts = _known(arguments.values)
+    if texts is None:
+        return concat(_slashed(arguments.values)) if function is os.path.join else Hole("path")
+    try:
+        return Known(function(*texts))
+    except (TypeError, ValueError):
+        return Hole("path")
+
+
+def _slashed(values: tuple[Value, ...]) -> list[Value]:
+    return [part for value in values for part in (Known("/"), value)][1:]
+
+
+def _getenv(machine: Machine, _: object, arguments: Arguments) -> Value:
+    name, default = arguments.get(0), arguments.get(1) or NONE
+    environ = dict(machine.recorder.site.environ)
+    if isinstance(name, Known):
+        return Known(environ[str(name.value)]) if name.value in environ else default
+    return Hole("environ")
+
+
+def _argv(machine: Machine) -> ListValue:
+    site = machine.recorder.site
+    return listed([Known(site.name.rpartition("/")[2]), *map(Known, site.args)])
+
+
+def _myargv(machine: Machine, _: object, __: Arguments) -> Value:
+    return _argv(machine)
+
+
+def _package_path(machine: Machine, _: object, arguments: Arguments) -> Value:
+    name = arguments.get(0)
+    if isinstance(name, Known):
+        path = machine.world.files.package_path(str(name.value))
+        if path is not None:
+            return Known(str(path))
+    return Hole(f"path of {spelled(name or NONE)}")
+
+
+def _rospack(_: Machine, __: object, ___: Arguments) -> Value:
+    return Instance(_ROSPACK)
+
+
+def _parser(_: Machine, __: object, ___: Arguments) -> Value:
+    return Instance(_PARSER)
+
+
+def _add_argument(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+    """`add_argument("name" or "--name", default=…)` (Python: argparse)."""
+    flags = [str(v.value) for v in arguments.values if isinstance(v, Known)]
+    long = next((flag for flag in flags if flag.startswith("--")), flags[0] if flags else "?")
+    named = arguments.keywords.get("dest")
+    name = str(named.value) if isinstance(named, Known) else long.lstrip("-").replace("-", "_")
+    default = arguments.keywords.get("default", NONE if long.startswith("-") else Hole(name))
+    machine.trail.set(owner.fields, name, _given(machine, flags, default))
+    return owner
+
+
+def _given(machine: Machine, flags: list[str], default: Value) -> Value:
+    words = machine.recorder.site.args
+    for at, word in enumerate(words):
+        flag, equals, value = word.partition("=")
+        if flag in flags and equals:
+            return Known(value)
+        if word in flags and word.startswith("-") and at + 1 < len(words):
+            return Known(words[at + 1])
+    return default
+
+
+def _parse_args(_: Machine, owner: Instance, __: Arguments) -> Value:
+    return Instance(NativeClass("Namespace"), dict(owner.fields))
+
+
+def _parse_known_args(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+    return listed((_parse_args(machine, owner, arguments), Hole("argv")), "tuple")
+
+
+def _group(_: Machine, owner: Instance, __: Arguments) -> Value:
+    return owner
+
+
+def _run(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`os.system("roslaunch …")`, `subprocess.Popen(["roslaunch", …])`."""
+    command = arguments.get(0, "args") or NONE
+    words = [spelled(item) for item in command.items] if isinstance(command, ListValue) else None
+    for option in options(command):
+        started_by_words(machine, words or shell_words(spelled(option)), arguments)
+    return Hole("process")
+
+
+def _launch_parent(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`ROSLaunchParent(uuid, files)`; a file may be `(path, arguments)` (roslaunch API)."""
+    files, _certain = items_of(arguments.get(1, "roslaunch_files") or NONE)
+    for file in files:
+        parts, _certain = items_of(file) if isinstance(file, ListValue) else ((file,), True)
+        given = items_of(parts[1])[0] if len(parts) > 1 else ()
+        _start(machine, parts[0] if parts else Hole("?"), given, arguments)
+    return Instance(_LAUNCH)
+
+
+def _start(machine: Machine, path: Value, given: tuple[Value, ...], arguments: Arguments) -> None:
+    for option in options(path):
+        if isinstance(option, Known):
+            words = tuple(spelled(value) for value in given)
+            machine.recorder.start(str(option.value), words, arguments.evidence)
+        else:
+            what = f"launch file {spelled(option)}"
+            machine.recorder.unresolved(what, "its path is not known", arguments.evidence)
+
+
+def _launch_load(machine: Machine, _: object, arguments: Arguments) -> Value:
+    _start(machine, arguments.get(0) or Hole("?"), (), arguments)
+    return NONE
+
+
+def _resolve_launch(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`resolve_launch_arguments([package, file])` returns a list of one path."""
+    words, _certain = items_of(arguments.get(0) or NONE)
+    texts = _known(words)
+    if texts is None:
+        return listed((Hole("launch file"),))
+    if len(texts) == 1:
+        return listed((Known(texts[0]),))
+    path = machine.world.files.package_path(texts[0])
+    found = sorted(path.rglob(texts[1])) if path is not None and len(texts) > 1 else []
+    return listed((Known(str(found[0])) if found else Hole(" ".join(texts)),))
+
+
+def _launch_node(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`roslaunch.core.Node(package, node_type, …)`, started by `ROSLaunch().launch(node)`."""
+    package, type = (spelled(arguments.get(n, k) or Hole("?")) for n, k in ((0, "package"), (1, "node_type")))
+    machine.recorder.start(f"{package}/{type}", ("rosrun",), arguments.evidence)
+    return Instance(_LAUNCH)
+
+
+_ROSPACK = NativeClass("rospkg.RosPack", methods={"get_path": _package_path})
+_PARSER = NativeClass(
+    "argparse.ArgumentParser",
+    methods={
+        "add_argument": _add_argument,
+        "add_option": _add_argument,
+        "parse_args": _parse_args,
+        "parse_known_args": _parse_known_args,
+        "add_mutually_exclusive_group": _group,
+        "add_argument_group": _group,
+    },
+)
+_LAUNCH = NativeClass(
+    "roslaunch",
+    methods={"load": _launch_load, **{n: (lambda m, o, a: NONE) for n in ("start", "launch", "shutdown", "spin")}},
+)
+
+
+def _launcher(_: Machine, __: object, ___: Arguments) -> Value:
+    return Instance(_LAUNCH)
+
+
+_CALLS: Mapping[str, Callable[..., Value]] = {
+    **{
+        f"os.path.{name}": partial(_path, getattr(os.path, name))
+        for name in ("join", "dirname", "basename", "normpath", "splitext")
+    },
+    **dict.fromkeys(("os.path.abspath", "os.path.realpath", "os.path.expanduser"), partial(_path, os.path.normpath)),
+    "os.getenv": _getenv,
+    "os.environ.get": _getenv,
+    "os.system": _run,
+    "os.popen": _run,
+    **{f"subprocess.{n}": _run for n in ("Popen", "call", "check_call", "check_output", "run")},
+    "rospy.myargv": _myargv,
+    "rospkg.RosPack": _rospack,
+    "rospkg.rospack.RosPack": _rospack,
+    "roslib.packages.get_pkg_dir": _package_path,
+    "roslib.packages.get_dir_pkg": _package_path,
+    "argparse.ArgumentParser": _parser,
+    "optparse.OptionParser": _parser,
+    "roslaunch.parent.ROSLaunchParent": _launch_parent,
+    "roslaunch.rlutil.resolve_launch_arguments": _resolve_launch,
+    "roslaunch.scriptapi.ROSLaunch": _launcher,
+    "roslaunch.ROSLaunch": _launcher,
+    "roslaunch.core.Node": _launch_node,
+    "roslaunch.Node": _launch_node,
+}
+PYTHON_LIBRARY: Mapping[str, Native] = {name: Native(name, call) for name, call in _CALLS.items()}
+
+
+def constants(machine: Machine) -> dict[str, Value]:
+    """Return the library's variables that depend on the node: its command line, its environment."""
+    environ = dict(machine.recorder.site.environ)
+    return {
+        "sys.argv": _argv(machine),
+        "os.environ": MapValue({name: Known(value) for name, value in environ.items()}),
+        "os.sep": Known("/"),
+        "sys.version_info.major": Known(3),
+    }
+
+

@@ -1,0 +1,251 @@
+"""rospy and the Python libraries of ROS around it, as far as they join nodes."""
+
+from collections.abc import Callable
+from functools import partial
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.machine import Machine, ThrownError
+from rtron.sources.code.interpreter.values import (
+    FALSE,
+    NONE,
+    TRUE,
+    Hole,
+    Instance,
+    Known,
+    MessageType,
+    Native,
+    NativeClass,
+    Value,
+    options,
+    spelled,
+    truth,
+)
+from rtron.sources.code.natives import endpoints
+from rtron.sources.code.natives.names import (
+    node_namespace,
+    parameter,
+    remapped,
+    resolve,
+    search,
+)
+from rtron.sources.declaration import DeclarationKind
+
+
+def type_name(value: Value | None) -> str:
+    """Return a message class as `package/Name`; empty where it is not known."""
+    for option in options(value):
+        if isinstance(option, MessageType):
+            return option.name
+    return ""
+
+
+def _endpoint(
+    kind: DeclarationKind, machine: Machine, _: object, arguments: Arguments
+) -> Instance:
+    """`Publisher(name, data_class, …)`, `Subscriber(name, data_class, callback, …)` and so on."""
+    name = resolve(machine, arguments.get(0, "name") or Hole("?"))
+    type = type_name(arguments.get(1, "data_class") or arguments.get(1, "service_class"))
+    latched = truth(arguments.keywords.get("latch", FALSE)) is True
+    endpoints.declare(machine, kind, name, type, arguments, latched=latched)
+    _escape_all(machine, arguments)
+    final = remapped(machine, name)
+    return Instance(_ENDPOINT, {"name": final, "resolved_name": final})
+
+
+def _escape_all(machine: Machine, arguments: Arguments) -> None:
+    for value in (*arguments.values, *arguments.keywords.values()):
+        machine.escape(value)
+
+
+def _wait_for_message(machine: Machine, _: object, arguments: Arguments) -> Value:
+    _endpoint(DeclarationKind.SUBSCRIBE, machine, None, arguments)
+    return Hole("message")
+
+
+def _get_param(machine: Machine, _: object, arguments: Arguments) -> Value:
+    name = resolve(machine, arguments.get(0, "param_name") or Hole("?"))
+    default, found = arguments.get(1, "default"), parameter(machine, name)
+    if found is None and default is None:
+        if machine.catching:
+            raise ThrownError("KeyError")
+        return Hole(spelled(arguments.get(0, "param_name") or NONE), tainted=True)
+    if found is None:
+        return _tainted(default)
+    return found if not isinstance(found, Hole) or default is None else _tainted(default)
+
+
+def _tainted(value: Value | None) -> Value:
+    return Known(value.value, tainted=True) if isinstance(value, Known) else value or NONE
+
+
+def _has_param(machine: Machine, _: object, arguments: Arguments) -> Value:
+    found = parameter(machine, resolve(machine, arguments.get(0, "param_name") or Hole("?")))
+    return FALSE if found is None else Hole("has_param") if isinstance(found, Hole) else TRUE
+
+
+def _set_param(machine: Machine, _: object, arguments: Arguments) -> Value:
+    name = resolve(machine, arguments.get(0, "param_name") or Hole("?"))
+    if isinstance(name, Known):
+        machine.trail.set(machine.parameters, str(name.value), arguments.get(1, "param_value"))
+    return NONE
+
+
+def _search_param(machine: Machine, _: object, arguments: Arguments) -> Value:
+    namespace = Known(machine.recorder.site.name)
+    return search(machine, arguments.get(0, "param_name") or Hole("?"), namespace) or NONE
+
+
+def _resolve_name(machine: Machine, _: object, arguments: Arguments) -> Value:
+    return remapped(machine, resolve(machine, arguments.get(0, "name") or Hole("?")))
+
+
+def _get_name(machine: Machine, _: object, __: Arguments) -> Value:
+    return Known(machine.recorder.site.name)
+
+
+def _get_namespace(machine: Machine, _: object, __: Arguments) -> Value:
+    namespace = node_namespace(machine)
+    return Known(namespace if namespace == "/" else namespace + "/")
+
+
+def _timer(machine: Machine, _: object, arguments: Arguments) -> Value:
+    _escape_all(machine, arguments)
+    return Hole("timer")
+
+
+def _action(kind: DeclarationKind, machine: Machine, _: object, arguments: Arguments) -> Value:
+    name = resolve(machine, arguments.get(0, "ns") or arguments.get(0, "name") or Hole("?"))
+    type = arguments.get(1, "ActionSpec") or arguments.get(1, "action_spec")
+    endpoints.declare(machine, kind, name, type_name(type), arguments)
+    _escape_all(machine, arguments)
+    return Instance(_ENDPOINT)
+
+
+def _reconfigure(machine: Machine, _: object, arguments: Arguments) -> Value:
+    namespace = arguments.keywords.get("namespace") or arguments.get(2) or Known("")
+    private = endpoints.own_namespace(machine)
+    endpoints.dynamic_reconfigure(machine, resolve(machine, namespace, private), arguments)
+    _escape_all(machine, arguments)
+    return Instance(_ENDPOINT)
+
+
+def _reconfigure_client(machine: Machine, _: object, arguments: Arguments) -> Value:
+    namespace = resolve(machine, arguments.get(0, "name") or Hole("?"))
+    for name, type in (
+        ("parameter_descriptions", "dynamic_reconfigure/ConfigDescription"),
+        ("parameter_updates", "dynamic_reconfigure/Config"),
+    ):
+        topic = endpoints.below(namespace, name)
+        kind = DeclarationKind.SUBSCRIBE
+        endpoints.declare(machine, kind, topic, type, arguments, implicit=True)
+    service, type = endpoints.below(namespace, "set_parameters"), "dynamic_reconfigure/Reconfigure"
+    kind = DeclarationKind.SERVICE_CLIENT
+    endpoints.declare(machine, kind, service, type, arguments, implicit=True)
+    return Instance(_ENDPOINT)
+
+
+def _transforms(
+    kind: DeclarationKind, static: bool, machine: Machine, _: object, arguments: Arguments  # noqa: FBT001
+) -> Value:
+    endpoints.transforms(machine, kind, arguments, static=static)
+    return Instance(_ENDPOINT)
+
+
+def _diagnostics(machine: Machine, _: object, arguments: Arguments) -> Value:
+    endpoints.diagnostics(machine, arguments)
+    return Instance(_ENDPOINT)
+
+
+def _bond(machine: Machine, _: object, arguments: Arguments) -> Value:
+    endpoints.bond(machine, resolve(machine, arguments.get(0, "topic") or Hole("?")), arguments)
+    return Instance(_ENDPOINT)
+
+
+def _wait_for_service(_: Machine, __: object, ___: Arguments) -> Value:
+    return NONE
+
+
+def _method(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+    """A method of an endpoint that takes callbacks: registerCallback, register_goal_callback."""
+    _escape_all(machine, arguments)
+    return owner
+
+
+def _not_shut_down(_: Machine, __: object, ___: Arguments) -> Value:
+    return Hole("is_shutdown")
+
+
+_ENDPOINT = NativeClass(
+    "endpoint",
+    methods={
+        name: _method
+        for name in (
+            "registerCallback register_goal_callback register_preempt_callback send_goal add "
+            "on_shutdown send_goal_and_wait setCallback"
+        ).split()
+    },
+)
+
+
+PythonFunction = Callable[..., Value]
+
+_CALLS: dict[str, PythonFunction] = {
+    "rospy.Publisher": partial(_endpoint, DeclarationKind.PUBLISH),
+    "rospy.Subscriber": partial(_endpoint, DeclarationKind.SUBSCRIBE),
+    "rospy.Service": partial(_endpoint, DeclarationKind.SERVICE),
+    "rospy.ServiceProxy": partial(_endpoint, DeclarationKind.SERVICE_CLIENT),
+    "rospy.wait_for_message": _wait_for_message,
+    "rospy.wait_for_service": _wait_for_service,
+    "rospy.get_param": _get_param,
+    "rospy.has_param": _has_param,
+    "rospy.set_param": _set_param,
+    "rospy.search_param": _search_param,
+    "rospy.get_param_cached": _get_param,
+    "rospy.resolve_name": _resolve_name,
+    "rospy.remap_name": _resolve_name,
+    "rospy.names.resolve_name": _resolve_name,
+    "rospy.names.ns_join": lambda machine, _, a: resolve(machine, a.get(1), a.get(0)),
+    "rospy.get_name": _get_name,
+    "rospy.get_namespace": _get_namespace,
+    "rospy.is_shutdown": _not_shut_down,
+    "rospy.Timer": _timer,
+    "rospy.on_shutdown": _timer,
+    "threading.Thread": _timer,
+    "threading.Timer": _timer,
+    "message_filters.Subscriber": partial(_endpoint, DeclarationKind.SUBSCRIBE),
+    "actionlib.SimpleActionClient": partial(_action, DeclarationKind.ACTION_CLIENT),
+    "actionlib.ActionClient": partial(_action, DeclarationKind.ACTION_CLIENT),
+    "actionlib.SimpleActionServer": partial(_action, DeclarationKind.ACTION_SERVER),
+    "actionlib.ActionServer": partial(_action, DeclarationKind.ACTION_SERVER),
+    "dynamic_reconfigure.server.Server": _reconfigure,
+    "dynamic_reconfigure.client.Client": _reconfigure_client,
+    "tf.TransformListener": partial(_transforms, DeclarationKind.SUBSCRIBE, False),
+    "tf.TransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH, False),
+    "tf2_ros.TransformListener": partial(_transforms, DeclarationKind.SUBSCRIBE, False),
+    "tf2_ros.TransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH, False),
+    "tf2_ros.StaticTransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH, True),
+    "diagnostic_updater.Updater": _diagnostics,
+    "diagnostic_updater.DiagnosticUpdater": _diagnostics,
+    "bondpy.bondpy.Bond": _bond,
+    "bondpy.Bond": _bond,
+}
+_SAME = {
+    "actionlib.simple_action_client.SimpleActionClient": "actionlib.SimpleActionClient",
+    "actionlib.simple_action_server.SimpleActionServer": "actionlib.SimpleActionServer",
+    "actionlib.action_client.ActionClient": "actionlib.ActionClient",
+    "actionlib.action_server.ActionServer": "actionlib.ActionServer",
+    "dynamic_reconfigure.server.DynamicReconfigureServer": "dynamic_reconfigure.server.Server",
+    "tf.listener.TransformListener": "tf.TransformListener",
+    "tf.broadcaster.TransformBroadcaster": "tf.TransformBroadcaster",
+    "tf2_ros.transform_listener.TransformListener": "tf2_ros.TransformListener",
+    "tf2_ros.transform_broadcaster.TransformBroadcaster": "tf2_ros.TransformBroadcaster",
+    "rospy.topics.Publisher": "rospy.Publisher",
+    "rospy.topics.Subscriber": "rospy.Subscriber",
+    "rospy.timer.Timer": "rospy.Timer",
+    "rospy.rostime.Timer": "rospy.Timer",
+}
+
+PYTHON_ROS: dict[str, Native | NativeClass] = {
+    name: Native(name, call)
+    for name, call in (*_CALLS.items(), *((alias, _CALLS[of]) for alias, of in _SAME.items()))
+}

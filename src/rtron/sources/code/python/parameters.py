@@ -1,0 +1,50 @@
+"""Parameters of a function and their annotations."""
+
+import ast
+from collections.abc import Callable, Iterator
+
+from rtron.sources.code.ir import Expr, Param, TypeRef
+
+_MAX_DEPTH = 20
+
+
+def parameters(
+    node: ast.arguments, lowered: Callable[[ast.expr | None], Expr | None]
+) -> tuple[Param, ...]:
+    """Return the parameters in the order in which they are written."""
+    return tuple(_parameters(node, lowered))
+
+
+def dotted(node: ast.expr | None) -> str:
+    """Return the name `a.b.c` that an expression is, else an empty string."""
+    parts: list[str] = []
+    while isinstance(node, ast.Attribute):
+        parts.append(node.attr)
+        node = node.value
+    return ".".join(reversed([*parts, node.id])) if isinstance(node, ast.Name) else ""
+
+
+def type_of(node: ast.expr | None, depth: int = 0) -> TypeRef | None:
+    """Return an annotation that names a type: `a.B`, `"B"`, `List[a.B]`; else None."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return TypeRef(node.value)
+    if isinstance(node, ast.Subscript) and depth < _MAX_DEPTH:
+        items = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        args = tuple(found for item in items if (found := type_of(item, depth + 1)))
+        return TypeRef(name, args) if (name := dotted(node.value)) else None
+    return TypeRef(name) if (name := dotted(node)) else None
+
+
+def _parameters(
+    node: ast.arguments, lowered: Callable[[ast.expr | None], Expr | None]
+) -> Iterator[Param]:
+    plain = [*node.posonlyargs, *node.args]
+    missing: list[ast.expr | None] = [None] * (len(plain) - len(node.defaults))
+    for arg, default in zip(plain, [*missing, *node.defaults], strict=True):
+        yield Param(arg.arg, type_of(arg.annotation), lowered(default))
+    if node.vararg:
+        yield Param(node.vararg.arg, type_of(node.vararg.annotation), kind="star")
+    for arg, default in zip(node.kwonlyargs, node.kw_defaults, strict=True):
+        yield Param(arg.arg, type_of(arg.annotation), lowered(default), kind="keyword")
+    if node.kwarg:
+        yield Param(node.kwarg.arg, type_of(node.kwarg.annotation), kind="stars")

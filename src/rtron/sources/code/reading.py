@@ -1,0 +1,74 @@
+"""The workspace as the interpreter sees it: files lowered once, headers and modules found."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtron.sources.code.cpp import lower_cpp
+from rtron.sources.code.interpreter.files import Plugin
+from rtron.sources.code.ir import Language, Problem, Unit
+from rtron.sources.code.python import lower_python
+from rtron.sources.workspace import Workspace
+
+_CPP = {".cpp", ".cc", ".cxx", ".c", ".cu", ".h", ".hpp", ".hh", ".hxx", ".cuh", ".ipp", ".tpp", ".inl"}
+
+
+@dataclass(eq=False, slots=True)
+class WorkspaceFiles:
+    """Answers the interpreter from a Workspace."""
+
+    workspace: Workspace
+    _units: dict[Path, Unit] = field(default_factory=dict)
+
+    def unit(self, path: Path) -> Unit:
+        """Return a file, lowered; one that cannot be read is empty, with a Problem."""
+        if path not in self._units:
+            self._units[path] = _lowered(path)
+        return self._units[path]
+
+    def header(self, include: str, includer: Path) -> Path | None:
+        """Return the file that `#include` means."""
+        return self.workspace.header(include.strip('<>"'), includer)
+
+    def python_module(self, dotted: str, importer: Path) -> Path | None:
+        """Return the file of a module; a relative one is looked up beside the importing file."""
+        if dotted.startswith("."):
+            return _beside(dotted, importer)
+        package = self.workspace.package_of(importer) or ""
+        return self.workspace.python_module(dotted, package, importer)
+
+    def has_message(self, package: str, name: str) -> bool | None:
+        """Tell whether a package defines a message type."""
+        known = self.workspace.messages(package)
+        return name in known if known else None
+
+    def package_path(self, package: str) -> Path | None:
+        """Return where a package lies."""
+        return self.workspace.packages.get(package)
+
+    def plugin(self, name: str, base: str) -> Plugin | None:
+        """Return the class that pluginlib knows by a name or type."""
+        found = self.workspace.plugin(name, base)
+        if found is None or found.program is None:
+            return None
+        return Plugin(found.declared.type, found.program.sources)
+
+
+def _lowered(path: Path) -> Unit:
+    is_cpp = path.suffix.lower() in _CPP
+    try:
+        text = path.read_bytes()
+    except OSError as error:
+        language = Language.CPP if is_cpp else Language.PYTHON
+        problem = Problem(0, f"cannot be read: {error.strerror}")
+        return Unit(file=str(path), language=language, problems=(problem,))
+    return lower_cpp(str(path), text) if is_cpp else lower_python(str(path), text)
+
+
+def _beside(dotted: str, importer: Path) -> Path | None:
+    level = len(dotted) - len(dotted.lstrip("."))
+    folder = importer.parents[min(level, len(importer.parents)) - 1]
+    base = folder.joinpath(*dotted.lstrip(".").split("."))
+    for path in (base.with_suffix(".py"), base / "__init__.py"):
+        if path.is_file():
+            return path
+    return None

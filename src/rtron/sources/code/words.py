@@ -1,0 +1,38 @@
+"""The plain names that a function calls, found once and kept."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+from rtron.sources.code.ir import Attr, Call, Function, Name, New, TypeRef
+
+
+@lru_cache(maxsize=50_000)
+def called_words(function: Function) -> frozenset[str]:
+    """Return the last parts of the names of all that a function calls or makes."""
+    bodies = (function.body or (), tuple(args for _, args in function.initialisers))
+    return frozenset(word for body in bodies for word in _words(body))
+
+
+def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
+    stack = [node]
+    while stack:
+        current = stack.pop()
+        if isinstance(current, tuple):
+            stack.extend(current)
+            continue
+        if isinstance(current, Call):
+            yield from _called(current.function)
+        elif isinstance(current, New):
+            yield current.type.name.rpartition("::")[2]
+        elif isinstance(current, TypeRef):
+            yield current.name.rpartition("::")[2]
+        if hasattr(current, "__slots__"):
+            stack.extend(getattr(current, name) for name in current.__slots__)
+
+
+def _called(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression
+    if isinstance(function, Attr):
+        yield function.name
+    elif isinstance(function, Name):
+        yield function.id.rpartition("::")[2]

@@ -1,0 +1,168 @@
+"""The Gazebo plugins of a robot description or a world: facts only, no topics.
+
+What a plugin publishes is known by its model, which is keyed by the plugin's file (Gazebo's
+tutorials: ros_gzplugins for URDF, plugins_model for SDF).
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import PurePosixPath
+from typing import TypeAlias
+
+from rtron.sources.xacro import XmlElement
+from rtron.vocabulary import Evidence, Word
+
+PluginValue: TypeAlias = "str | dict[str, PluginValue] | list[PluginValue]"
+
+
+class PluginScope(Word):
+    """What a plugin is attached to."""
+
+    SYSTEM = "system"
+    WORLD = "world"
+    MODEL = "model"
+    SENSOR = "sensor"
+    VISUAL = "visual"
+    GUI = "gui"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensor:
+    """A sensor that carries a plugin; `update_rate` is in Hz, None where none is given.
+
+    `cameras` are the names of its cameras: a multicamera has several.
+    """
+
+    type: str
+    name: str
+    update_rate: float | None = None
+    cameras: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GazeboPlugin:
+    """One `<plugin>`: its file without `lib` and `.so`, and its elements' texts by name.
+
+    An element with elements in it is a dict, one that is written several times a list. `link` is
+    the link it belongs to (URDF: the `reference`), `model` the SDF model, "" in a URDF.
+    """
+
+    filename: str
+    name: str
+    scope: PluginScope
+    values: Mapping[str, PluginValue] = field(default_factory=dict)
+    sensor: Sensor | None = None
+    link: str = ""
+    model: str = ""
+    evidence: Evidence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surrounding:
+    """What stands around an element: model, link, sensor, and what a plugin there belongs to."""
+
+    scope: PluginScope = PluginScope.SYSTEM
+    model: str = ""
+    link: str = ""
+    sensor: Sensor | None = None
+
+    def entered(self, element: XmlElement) -> "Surrounding":
+        """Return what stands around the contents of `element`."""
+        name = element.attributes.get("name", "")
+        if element.tag == "model":
+            model = f"{self.model}::{name}" if self.model else name
+            return Surrounding(scope=PluginScope.MODEL, model=model)
+        if element.tag == "link":
+            return replace(self, link=name)
+        if element.tag == "sensor":
+            return replace(self, scope=PluginScope.SENSOR, sensor=_sensor(element))
+        if element.tag in _SCOPES:
+            return replace(self, scope=_SCOPES[element.tag])
+        return self
+
+
+_SCOPES: Mapping[str, PluginScope] = {
+    "gui": PluginScope.GUI,
+    "visual": PluginScope.VISUAL,
+    "world": PluginScope.WORLD,
+}
+
+
+def plugins_of(root: XmlElement) -> tuple[GazeboPlugin, ...]:
+    """Return the plugins in the `<gazebo>` elements of a URDF, or in an SDF without its includes.
+
+    They come in document order.
+    """
+    if root.tag != "robot":
+        return tuple(plugins_below(root, Surrounding().entered(root)))
+    return tuple(
+        plugin
+        for gazebo in root.elements("gazebo")
+        for plugin in plugins_below(gazebo, _of_gazebo_element(gazebo))
+    )
+
+
+def plugins_below(element: XmlElement, around: Surrounding) -> Iterator[GazeboPlugin]:
+    """Yield the plugins within an element, in document order."""
+    waiting = [(child, around) for child in reversed(list(element.elements()))]
+    while waiting:
+        child, place = waiting.pop()
+        if child.tag == "plugin":
+            yield read_plugin(child, place)
+            continue
+        inner = place.entered(child)
+        waiting.extend((below, inner) for below in reversed(list(child.elements())))
+
+
+def read_plugin(element: XmlElement, around: Surrounding) -> GazeboPlugin:
+    """Return what a `<plugin>` says."""
+    return GazeboPlugin(
+        filename=plugin_library(element.attributes.get("filename", "")),
+        name=element.attributes.get("name", ""),
+        scope=around.scope,
+        values=_values(element),
+        sensor=around.sensor,
+        link=around.link,
+        model=around.model,
+        evidence=element.evidence,
+    )
+
+
+def plugin_library(filename: str) -> str:
+    """Return a library's name: `gazebo_ros_camera` for `libgazebo_ros_camera.so`."""
+    return PurePosixPath(filename.strip()).name.removesuffix(".so").removeprefix("lib")
+
+
+def _of_gazebo_element(gazebo: XmlElement) -> Surrounding:
+    return Surrounding(scope=PluginScope.MODEL, link=gazebo.attributes.get("reference", ""))
+
+
+def _sensor(element: XmlElement) -> Sensor:
+    cameras = (camera.attributes.get("name", "") for camera in element.elements("camera"))
+    return Sensor(
+        type=element.attributes.get("type", ""),
+        name=element.attributes.get("name", ""),
+        update_rate=_number(element.find("update_rate")),
+        cameras=tuple(cameras),
+    )
+
+
+def _number(element: XmlElement | None) -> float | None:
+    try:
+        return float(element.text) if element else None
+    except ValueError:
+        return None
+
+
+def _values(element: XmlElement) -> dict[str, PluginValue]:
+    values: dict[str, PluginValue] = {}
+    for child in element.elements():
+        value = _values(child) if any(child.elements()) else child.text
+        known = values.get(child.tag)
+        if known is None:
+            values[child.tag] = value
+        elif isinstance(known, list):
+            known.append(value)
+        else:
+            values[child.tag] = [known, value]
+    return values

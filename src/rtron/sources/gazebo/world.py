@@ -1,0 +1,140 @@
+"""An SDF world or model file, with the models that it includes (sdformat.org: world, include)."""
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.gazebo.plugin import GazeboPlugin, PluginScope, Surrounding, read_plugin
+from rtron.sources.launch.packages import PackageIndex
+from rtron.sources.xacro import XmlElement, read_element
+from rtron.vocabulary import Evidence, Unresolved
+
+MAX_INCLUDES = 1000
+MAX_DEPTH = 20
+
+_SCHEMES = ("model://", "file://")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class World:
+    """What a world file holds: its plugins, and the includes that were not found."""
+
+    plugins: tuple[GazeboPlugin, ...] = ()
+    unresolved: tuple[Unresolved, ...] = ()
+
+
+def read_world(
+    path: Path, packages: PackageIndex, environ: Mapping[str, str] = os.environ
+) -> World:
+    """Return the plugins of a `.world` or `.sdf` file and of the models it includes.
+
+    `model://` is looked for in GAZEBO_MODEL_PATH, then in the packages' `models` folders. Raise
+    InputError if the file itself is no XML; an include that fails is in `unresolved`.
+    """
+    reading = _Reading(folders=model_folders(packages, environ))
+    try:
+        plugins = tuple(reading.below(read_element(path), Surrounding(), (str(path),)))
+    except RecursionError:
+        raise InputError("is nested too deep", path=str(path)) from None
+    return World(plugins=plugins, unresolved=tuple(reading.unresolved))
+
+
+def model_folders(packages: PackageIndex, environ: Mapping[str, str]) -> tuple[Path, ...]:
+    """Return the folders in which Gazebo looks for `model://`, those that exist."""
+    listed = (Path(entry) for entry in environ.get("GAZEBO_MODEL_PATH", "").split(":") if entry)
+    below = (Path(package) / "models" for package in packages.values())
+    return tuple(folder for folder in (*listed, *below) if folder.is_dir())
+
+
+@dataclass(slots=True, kw_only=True)
+class _Reading:
+    folders: tuple[Path, ...]
+    included: int = 0
+    unresolved: list[Unresolved] = field(default_factory=list)
+    _roots: dict[str, XmlElement] = field(default_factory=dict)
+
+    def below(
+        self, element: XmlElement, around: Surrounding, files: tuple[str, ...]
+    ) -> Iterator[GazeboPlugin]:
+        """Yield the plugins within an element; `files` are those being read, the innermost last."""
+        for child in element.elements():
+            if child.tag == "plugin":
+                yield read_plugin(child, around)
+            elif child.tag == "include":
+                yield from self._include(child, around, files)
+            else:
+                yield from self.below(child, around.entered(child), files)
+
+    def _include(
+        self, include: XmlElement, around: Surrounding, files: tuple[str, ...]
+    ) -> Iterator[GazeboPlugin]:
+        uri = include.find("uri")
+        try:
+            path = self._found(uri.text if uri else "", files)
+            root = self._root(path)
+        except InputError as error:
+            what = f"include {uri.text if uri else ''}".strip()
+            self._note(what, str(error), include.evidence)
+            return
+        name = include.find("name")
+        named = _renamed(root, name.text if name else "")
+        yield from self.below(named, around, (*files, str(path)))
+        own = replace(around, scope=PluginScope.MODEL, model=name.text if name else "")
+        for plugin in include.elements("plugin"):
+            yield read_plugin(plugin, own)
+
+    def _found(self, uri: str, files: tuple[str, ...]) -> Path:
+        self.included += 1
+        if self.included > MAX_INCLUDES or len(files) > MAX_DEPTH:
+            raise InputError(f"more than {MAX_INCLUDES} includes, or {MAX_DEPTH} deep")
+        path = next((path for path in self._candidates(uri, files[-1]) if path.exists()), None)
+        if path is None:
+            help = "add its folder to GAZEBO_MODEL_PATH"
+            raise InputError(f"'{uri}' is not found", help=help)
+        path = _model_file(path) if path.is_dir() else path
+        if str(path) in files:
+            raise InputError("includes itself", path=str(path))
+        return path
+
+    def _candidates(self, uri: str, file: str) -> Iterator[Path]:
+        scheme = next((scheme for scheme in _SCHEMES if uri.startswith(scheme)), "")
+        name = uri.removeprefix(scheme)
+        if not name or "\0" in name or ".." in Path(name).parts:
+            return
+        if scheme == "model://":
+            yield from (folder / name for folder in self.folders)
+        elif "://" not in name:
+            yield Path(file).parent / name
+
+    def _root(self, path: Path) -> XmlElement:
+        if str(path) not in self._roots:
+            self._roots[str(path)] = read_element(path)
+        return self._roots[str(path)]
+
+    def _note(self, what: str, why: str, evidence: Evidence) -> None:
+        self.unresolved.append(Unresolved(what=what, why=why, evidence=(evidence,)))
+
+
+def _model_file(folder: Path) -> Path:
+    """Return the last SDF file that a model's `model.config` names, `model.sdf` without one."""
+    try:
+        config = read_element(folder / "model.config")
+    except InputError:
+        return folder / "model.sdf"
+    named = [sdf.text for sdf in config.elements("sdf") if sdf.text == Path(sdf.text).name]
+    return folder / (named[-1] if named and named[-1] else "model.sdf")
+
+
+def _renamed(root: XmlElement, name: str) -> XmlElement:
+    """Return an included file's root with its model named as the include wants."""
+    if not name:
+        return root
+    children = (
+        replace(child, attributes={**child.attributes, "name": name})
+        if isinstance(child, XmlElement) and child.tag == "model"
+        else child
+        for child in root.children
+    )
+    return replace(root, children=tuple(children))

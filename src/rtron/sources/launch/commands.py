@@ -1,0 +1,58 @@
+"""`command=` of a `<param>`: what would run, recognised and never run.
+
+Two are understood, `cat FILE` and xacro with its mappings (ROS wiki: roslaunch/XML/param).
+"""
+
+import shlex
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+from rtron.vocabulary import UnknownValue
+
+Describe: TypeAlias = Callable[[Path, Mapping[str, str]], str | UnknownValue]
+"""Evaluates a xacro file with its mappings to a robot description."""
+
+_XACRO = frozenset({"xacro", "xacro.py"})
+_BEFORE = frozenset({"env", "python", "python2", "python3", "rosrun"})
+_WITH_WORD = frozenset({"-o", "--output", "--deps", "--verbosity"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Xacro:
+    """A run of xacro that writes the description to its standard output."""
+
+    file: str
+    mappings: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cat:
+    """A run of `cat` for one file."""
+
+    file: str
+
+
+def recognise(command: str) -> Xacro | Cat | None:
+    """Return what a command line does, None if it is not of a kind that is understood."""
+    try:
+        words = shlex.split(command)
+    except ValueError:
+        return None
+    names = [word.rpartition("/")[2] for word in words]
+    if names[:1] == ["cat"] and len(words) == len(["cat", "FILE"]):
+        return None if words[1].startswith("-") else Cat(file=words[1])
+    while names and names[0] in _BEFORE:
+        skipped = 2 if names[0] == "rosrun" else 1
+        names, words = names[skipped:], words[skipped:]
+    return _xacro(words[1:]) if names[:1] and names[0] in _XACRO else None
+
+
+def _xacro(words: list[str]) -> Xacro | None:
+    mappings = [word for word in words if ":=" in word]
+    files = [word for word in words if ":=" not in word and not word.startswith("-")]
+    if len(files) != 1 or not _WITH_WORD.isdisjoint(words):
+        return None
+    pairs = (word.split(":=", 1) for word in mappings)
+    return Xacro(file=files[0], mappings={name.strip(): value.strip() for name, value in pairs})

@@ -1,0 +1,47 @@
+"""`<env>` and `<machine>`: what the processes of nodes see, and where they run.
+
+ROS wiki: roslaunch/XML/env, roslaunch/XML/machine.
+"""
+
+from rtron.sources.launch.scope import Scope
+from rtron.sources.launch.tag import Tag
+
+_OLD_ATTRIBUTES = ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
+_DEFAULTS = frozenset({"true", "false", "never"})
+
+
+def read_env(tag: Tag, scope: Scope) -> None:
+    """Put an `<env>` in force in a scope, if it applies; raise InputError if it is none."""
+    if not tag.applies():
+        return
+    name = tag.required("name")
+    value = tag.optional("value")
+    if value is None:
+        tag.fault("has no 'value'")
+    scope.environ.append((name, value))
+
+
+def check_machine(tag: Tag) -> None:
+    """Check a `<machine>`, which changes no names; raise InputError as roslaunch does."""
+    old = [name for name in _OLD_ATTRIBUTES if tag.optional(name)]
+    if old or any(child.name == "env" for child in tag.children()):
+        tag.fault("sets an environment; use 'env-loader'")
+    for attribute in ("env-loader", "user", "password"):
+        tag.optional(attribute)
+    for attribute in ("name", "address"):
+        if tag.optional(attribute) is None:
+            tag.fault(f"has no '{attribute}'")
+    if (tag.optional("default") or "false").lower() not in _DEFAULTS:
+        tag.fault("default: is none of true, false, never")
+    _check_numbers(tag)
+
+
+def _check_numbers(tag: Tag) -> None:
+    timeout = tag.optional("timeout")
+    try:
+        int(tag.optional("ssh-port") or "22")
+        positive = timeout is None or float(timeout) > 0
+    except ValueError as error:
+        tag.fault(str(error))
+    if not positive:
+        tag.fault("timeout: is not positive")

@@ -1,0 +1,51 @@
+"""A node's command line, as the tools of ROS 1 take it apart (ROS wiki: Remapping Arguments)."""
+
+from collections.abc import Iterator, Sequence
+
+
+def own_arguments(args: Sequence[str]) -> list[str]:
+    """Return the arguments without `from:=to`, which the client library takes away."""
+    return [argument for argument in args if ":=" not in argument]
+
+
+def positional(args: Sequence[str], valued: str) -> list[str]:
+    """Return the arguments that are no options; `valued` names those that take a value."""
+    return [argument for argument, is_option in _marked(own_arguments(args), valued.split())
+            if not is_option]
+
+
+def option(args: Sequence[str], names: str) -> str | None:
+    """Return the value of the first of the options `names`, as `-o VALUE` or `--option=VALUE`."""
+    own = own_arguments(args)
+    for position, argument in enumerate(own):
+        name, equals, value = argument.partition("=")
+        if name not in names.split():
+            continue
+        if equals:
+            return value
+        return own[position + 1] if position + 1 < len(own) else None
+    return None
+
+
+def has_option(args: Sequence[str], names: str) -> bool:
+    """Tell whether one of the options `names` is given; `-ab` gives `-a` and `-b`."""
+    own = own_arguments(args)
+    wanted = names.split()
+    return any(a.partition("=")[0] in wanted or _among_short(a, wanted) for a in own)
+
+
+def _among_short(argument: str, wanted: Sequence[str]) -> bool:
+    short = argument.startswith("-") and argument[1:].isalpha()
+    return short and any(f"-{letter}" in wanted for letter in argument[1:])
+
+
+def _marked(args: Sequence[str], valued: Sequence[str]) -> Iterator[tuple[str, bool]]:
+    takes_value = False
+    for argument in args:
+        is_option = argument.startswith("-") and len(argument) > 1 and not _is_number(argument)
+        yield argument, is_option or takes_value
+        takes_value = argument in valued and not takes_value
+
+
+def _is_number(argument: str) -> bool:
+    return argument[1:].replace(".", "", 1).isdigit()

@@ -1,0 +1,217 @@
+"""From a model and the place where its node runs to what the node declares."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice
+
+from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
+from rtron.sources.launch.unresolvable import UnresolvableError
+from rtron.sources.models.descriptions import PluginElement
+from rtron.sources.models.expressions import Expressions
+from rtron.sources.models.form import Declare, Model
+from rtron.sources.models.models import Models, load_models
+from rtron.sources.models.scope import Scope, scope_at
+from rtron.sources.models.values import Hole, Value, has_hole, truth
+from rtron.vocabulary import Evidence, Resolution, Unresolved
+
+MAX_DEPTH = 8
+MAX_ITEMS = 1000
+MAX_DECLARATIONS = 10_000
+
+_UNKNOWN = (UnresolvableError, ValueError)
+_KEPT = ("node", "args", *PluginElement(filename="").variables())
+
+
+def interface(
+    model: Model,
+    site: NodeSite,
+    variables: Mapping[str, Value] | None = None,
+    models: Models | None = None,
+) -> NodeInterface:
+    """Return what a node of this model declares where it runs.
+
+    Names are absolute and not remapped; only what a library derives from a name that it has
+    resolved itself (`IMAGE/compressed`) follows `site.remaps`.
+    """
+    standard = {"node": site.name, "args": list(site.args)}
+    scope = scope_at(site).having({**standard, **(variables or {})})
+    return _interface_in(model, scope, models or load_models())
+
+
+def plugin_interface(
+    model: Model, site: NodeSite, plugin: PluginElement, models: Models | None = None
+) -> NodeInterface:
+    """Return what a Gazebo plugin adds to the node `site`, usually `/gazebo`."""
+    return interface(model, site, plugin.variables(), models)
+
+
+def handle_interface(
+    model: Model, site: NodeSite, *, namespace: str, private: str, models: Models | None = None
+) -> NodeInterface:
+    """Return what a plugin adds to the node `site` through its two handles, as controllers do."""
+    scope = Scope(site=site, namespace=namespace, private=private, variables={"node": site.name})
+    return _interface_in(model, scope, models or load_models())
+
+
+def _interface_in(model: Model, scope: Scope, models: Models) -> NodeInterface:
+    walk = _Walk(models)
+    found = islice(walk.model(model, scope, _Use()), MAX_DECLARATIONS)
+    return NodeInterface(
+        declarations=_merged(found), unresolved=tuple(dict.fromkeys(walk.unresolved))
+    )
+
+
+def _merged(declarations: Iterable[Declaration]) -> tuple[Declaration, ...]:
+    """Return each name once, with the evidence of all who declare it."""
+    by_name: dict[tuple[DeclarationKind, str, str], Declaration] = {}
+    for declaration in declarations:
+        key = (declaration.kind, declaration.name, declaration.type)
+        first = by_name.get(key, declaration)
+        evidence = tuple(dict.fromkeys((*first.evidence, *declaration.evidence)))
+        by_name[key] = replace(first, evidence=evidence)
+    return tuple(by_name.values())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Use:
+    """How a model came to be used: how deep, implicitly, under an unknown condition."""
+
+    model: Model | None = None
+    depth: int = 0
+    implicit: bool = False
+    uncertain: bool = False
+
+
+@dataclass(slots=True)
+class _Walk:
+    models: Models
+    unresolved: list[Unresolved] = field(default_factory=list)
+
+    def model(self, model: Model, scope: Scope, use: _Use) -> Iterator[Declaration]:
+        use = replace(use, model=model, implicit=use.implicit or model.implicit)
+        for name, text in model.let.items():
+            try:
+                scope = scope.having({name: Expressions(scope).value(text)})
+            except _UNKNOWN as error:
+                self._unresolved(name, str(error), _evidence(model))
+                scope = scope.having({name: Hole("{" + name + "}")})
+        yield from self._entries(model.declares, scope, use)
+
+    def _entries(
+        self, entries: Sequence[Declare], scope: Scope, use: _Use
+    ) -> Iterator[Declaration]:
+        for entry in entries:
+            try:
+                for inner in self._repeated(entry, scope):
+                    yield from self._conditional(entry, inner, use)
+            except _UNKNOWN as error:
+                what = entry.name or entry.uses or entry.condition or "an entry"
+                self._unresolved(what, str(error), _evidence_of(entry, use))
+
+    def _repeated(self, entry: Declare, scope: Scope) -> Iterator[Scope]:
+        if entry.loop is None:
+            yield from self._letting(entry, scope)
+            return
+        variable, _, text = entry.loop.partition(" in ")
+        items = Expressions(scope).value(text)
+        for item in [items] if isinstance(items, Hole) else islice(items, MAX_ITEMS):
+            yield from self._letting(entry, scope.having({variable: item}))
+
+    def _letting(self, entry: Declare, scope: Scope) -> Iterator[Scope]:
+        for name, text in entry.let.items():
+            scope = scope.having({name: Expressions(scope).value(text)})
+        yield scope
+
+    def _conditional(self, entry: Declare, scope: Scope, use: _Use) -> Iterator[Declaration]:
+        if entry.condition is not None:
+            expressions = Expressions(scope)
+            holds = _holds(expressions, entry.condition)
+            if expressions.met_hole:
+                use = replace(use, uncertain=True)
+                self._unresolved(entry.condition, "not known", _evidence_of(entry, use))
+            elif not holds:
+                return
+        yield from self._declared(entry, _placed(entry, scope), use)
+
+    def _declared(self, entry: Declare, scope: Scope, use: _Use) -> Iterator[Declaration]:
+        if entry.kind is not None:
+            yield _declaration(entry, entry.kind, scope, use)
+        elif entry.uses is not None:
+            yield from self._used(entry, entry.uses, scope, use)
+        elif entry.unresolved is not None:
+            expressions = Expressions(scope)
+            what, why = expressions.text(entry.unresolved), expressions.text(entry.why)
+            self._unresolved(what, why, _evidence_of(entry, use))
+        else:
+            yield from self._entries(entry.declares or (), scope, use)
+
+    def _used(
+        self, entry: Declare, written: str, scope: Scope, use: _Use
+    ) -> Iterator[Declaration]:
+        expressions = Expressions(scope)
+        name = expressions.text(written)
+        model = self.models.named(name)
+        if model is None or use.depth == MAX_DEPTH:
+            why = "no model of it" if model is None else "models use each other too deep"
+            self._unresolved(name, why, _evidence_of(entry, use))
+            return
+        inner = _used_scope(entry, scope, expressions)
+        implicit = use.implicit or entry.implicit
+        yield from self.model(model, inner, replace(use, depth=use.depth + 1, implicit=implicit))
+
+    def _unresolved(self, what: str, why: str, evidence: tuple[Evidence, ...]) -> None:
+        if len(self.unresolved) < MAX_ITEMS:
+            self.unresolved.append(Unresolved(what=what, why=why, evidence=evidence))
+
+
+def _holds(expressions: Expressions, condition: str) -> bool:
+    try:
+        return truth(expressions.value(condition))
+    except _UNKNOWN:
+        if expressions.met_hole:
+            return True
+        raise
+
+
+def _placed(entry: Declare, scope: Scope) -> Scope:
+    expressions = Expressions(scope)
+    namespace = _handle(entry.namespace, scope.namespace, expressions)
+    return replace(
+        scope, namespace=namespace, private=_handle(entry.private, scope.private, expressions)
+    )
+
+
+def _handle(written: str | None, current: str, expressions: Expressions) -> str:
+    return current if written is None else expressions.scope.remapped(expressions.text(written))
+
+
+def _used_scope(entry: Declare, scope: Scope, expressions: Expressions) -> Scope:
+    kept = {name: scope.variables[name] for name in _KEPT if name in scope.variables}
+    given = {name: expressions.value(text) for name, text in entry.given.items()}
+    return replace(scope, variables={**kept, **given})
+
+
+def _declaration(entry: Declare, kind: DeclarationKind, scope: Scope, use: _Use) -> Declaration:
+    expressions = Expressions(scope)
+    name = scope.resolve(expressions.text(entry.name))
+    symbolic = use.uncertain or has_hole(name)
+    return Declaration(
+        kind=kind,
+        name=name,
+        type=expressions.text(entry.type),
+        implicit=entry.implicit or use.implicit,
+        latched=entry.latched,
+        resolution=Resolution.SYMBOLIC if symbolic else Resolution.MODEL,
+        evidence=_evidence_of(entry, use),
+    )
+
+
+def _evidence_of(entry: Declare, use: _Use) -> tuple[Evidence, ...]:
+    return _evidence(use.model, entry.at, entry.line) if use.model else ()
+
+
+def _evidence(model: Model, at: str = "", line: int = 0) -> tuple[Evidence, ...]:
+    repository, _, path = model.source.partition(" ")
+    place, _, number = at.partition(":")
+    file = f"{repository} {place or path}".strip()
+    return (Evidence(file=file, line=int(number or line or 0)),)

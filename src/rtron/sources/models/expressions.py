@@ -1,0 +1,47 @@
+"""Expressions and templates of a model, in the closed grammar of `$(eval …)`; never Python's eval.
+
+A template is a text with expressions in braces: `{param('~prefix', 'robot')}/odom`.
+"""
+
+import re
+from dataclasses import dataclass, field
+
+from rtron.sources.launch.expression import evaluate
+from rtron.sources.models.functions import Function, functions
+from rtron.sources.models.scope import Scope
+from rtron.sources.models.values import Hole, Value, has_hole
+
+_BRACES = re.compile(r"\{([^{}]*)\}")
+
+
+@dataclass(slots=True)
+class Expressions:
+    """Evaluates expressions in one scope; `met_hole` tells that an answer was not known."""
+
+    scope: Scope
+    met_hole: bool = False
+    _functions: dict[str, Function] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._functions = {name: self._watched(f) for name, f in functions(self.scope).items()}
+
+    def value(self, text: str) -> Value:
+        """Return an expression's value; raise ValueError or UnresolvableError if it has none."""
+        kept: list[Value] = []
+        watched = {**self._functions, "keep": lambda value: kept.append(value) or ""}
+        evaluate(f"keep({text})", watched, self._variable)
+        return kept[0]
+
+    def text(self, template: str) -> str:
+        """Return a template with its expressions' values filled in."""
+        return _BRACES.sub(lambda braces: str(self.value(braces[1])), template)
+
+    def _variable(self, name: str) -> Value:
+        return self._noted(self.scope.variables[name])
+
+    def _watched(self, function: Function) -> Function:
+        return lambda *arguments: self._noted(function(*arguments))
+
+    def _noted(self, value: Value) -> Value:
+        self.met_hole = self.met_hole or isinstance(value, Hole) or has_hole(value)
+        return value

@@ -1,0 +1,133 @@
+"""How a model is written: what it stands for, where it was read, and what it declares.
+
+docs/models.md explains every key with an example.
+"""
+
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from rtron.sources.declaration import DeclarationKind
+
+VERBS = (*(kind.value for kind in DeclarationKind), "uses", "unresolved", "declares")
+KINDS = (
+    "node",
+    "nodelet",
+    "gazebo_plugin",
+    "controller",
+    "costmap_layer",
+    "plugin",
+    "part",
+)
+_SOURCE = re.compile(r"github\.com/[\w.-]+/[\w.-]+@[\w./-]+( [\w./-]+)?")
+_AT = re.compile(r"[\w./+-]+(:[0-9]+)?")
+
+
+def _listed(value: object) -> object:
+    return [value] if isinstance(value, str) else value
+
+
+Names = Annotated[tuple[str, ...], BeforeValidator(_listed)]
+Text = Annotated[str, Field(max_length=1000)]
+
+
+class Declare(BaseModel):
+    """One entry of `declares`: a verb with its name, and when, how often and where it holds."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    publish: Text | None = None
+    subscribe: Text | None = None
+    service: Text | None = None
+    service_client: Text | None = None
+    action_client: Text | None = None
+    action_server: Text | None = None
+    uses: Text | None = None
+    unresolved: Text | None = None
+    declares: tuple["Declare", ...] | None = None
+    type: Text = ""
+    implicit: bool = False
+    latched: bool = False
+    condition: Text | None = Field(default=None, alias="if")
+    loop: Annotated[Text, Field(pattern=r"^[a-z_]+ in .+")] | None = Field(
+        default=None, alias="for"
+    )
+    let: dict[str, Text] = {}
+    given: dict[str, Text] = Field(default={}, alias="with")
+    namespace: Text | None = None
+    private: Text | None = None
+    why: Text = ""
+    line: int = Field(default=0, ge=0)
+    at: str = ""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Declare":
+        verbs = [verb for verb in VERBS if getattr(self, verb) is not None]
+        if len(verbs) != 1:
+            raise ValueError(f"an entry needs exactly one of {', '.join(VERBS)}")
+        if self.kind is not None and not self.type:
+            raise ValueError(f"{verbs[0]} needs a type")
+        if self.at and not _AT.fullmatch(self.at):
+            raise ValueError("at is written path:line")
+        return self
+
+    @property
+    def kind(self) -> DeclarationKind | None:
+        """The kind of declaration, None for an entry that only leads to others."""
+        return next((kind for kind in DeclarationKind if getattr(self, kind.value)), None)
+
+    @property
+    def name(self) -> str:
+        """The declared name as it is written, empty for an entry that only leads to others."""
+        return str(getattr(self, self.kind.value)) if self.kind else ""
+
+
+class Model(BaseModel):
+    """What one node type, plugin or part declares; `source` is the public file it was read in."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    node: Names = ()
+    nodelet: Names = ()
+    gazebo_plugin: Names = ()
+    controller: Names = ()
+    costmap_layer: Names = ()
+    plugin: Names = ()
+    part: Names = ()
+    source: str
+    implicit: bool = False
+    needs: Names = ()
+    let: dict[str, Text] = {}
+    declares: tuple[Declare, ...] = ()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Model":
+        if not any(getattr(self, kind) for kind in KINDS):
+            raise ValueError(f"a model needs one of {', '.join(KINDS)}")
+        if not _SOURCE.fullmatch(self.source):
+            raise ValueError("source is written github.com/OWNER/NAME@TAG PATH")
+        return self
+
+    def walk(self) -> Iterator[Declare]:
+        """Yield every entry, groups before what stands in them."""
+        waiting = list(self.declares)
+        while waiting:
+            entry = waiting.pop(0)
+            yield entry
+            waiting[:0] = entry.declares or ()
+
+
+def texts(model: Model) -> Iterator[Any]:
+    """Yield each text of a model that holds an expression, as (kind, text)."""
+    yield from (("expression", text) for text in model.let.values())
+    for entry in model.walk():
+        yield from (("expression", text) for text in entry.let.values())
+        yield from (("expression", text) for text in entry.given.values())
+        named = (entry.name, entry.uses, entry.type, entry.namespace, entry.private)
+        yield from (("template", text) for text in (*named, entry.unresolved, entry.why) if text)
+        if entry.condition:
+            yield "expression", entry.condition
+        if entry.loop:
+            yield "expression", entry.loop.partition(" in ")[2]

@@ -1,0 +1,134 @@
+"""What an expression of a model may ask: parameters, arguments, plugin values, files.
+
+docs/models.md lists them; a function answers with a Hole where the answer is not known.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+from rtron.sources.models import arguments
+from rtron.sources.models.rviz import rviz_publications, rviz_subscriptions
+from rtron.sources.models.scope import Scope
+from rtron.sources.models.values import Hole, Value, has_hole, hole, known, truth
+from rtron.sources.models.yaml_file import yaml_file
+
+Function = Callable[..., Value]
+
+LATEST = "noetic"
+
+
+def functions(scope: Scope) -> dict[str, Function]:
+    """Return the functions an expression may call in a scope."""
+    args = scope.site.args
+    return {
+        **_PURE,
+        "param": partial(_param, scope),
+        "search": partial(_search, scope),
+        "value": partial(_value, scope),
+        "since": partial(_since, scope),
+        "model": partial(_model, scope),
+        "plugin_namespace": partial(_plugin_namespace, scope),
+        "robot_namespace": partial(_robot_namespace, scope),
+        "resolved": scope.resolve,
+        "remapped": scope.remapped,
+        "argument": partial(_argument, args),
+        "option": partial(_option, args),
+        "has_option": partial(arguments.has_option, args),
+        "positional": partial(arguments.positional, args),
+    }
+
+
+def _param(scope: Scope, name: str, default: Value = None) -> Value:
+    found = scope.site.parameters.get(scope.resolve(name))
+    return default if found is None else known(found.value, name)
+
+
+def _search(scope: Scope, name: str, default: Value = None) -> Value:
+    place = scope.site.parameters.search(name, scope.private)
+    found = scope.site.parameters.get(place) if place else None
+    return default if found is None else known(found.value, name)
+
+
+def _value(scope: Scope, name: str, default: Value = None) -> Value:
+    tree: Value = scope.variables.get("values", {})
+    for part in name.split("/"):
+        tree = tree.get(part) if isinstance(tree, Mapping) else None
+    if tree is None:
+        return default
+    return tree.strip() if isinstance(tree, str) and not isinstance(tree, Hole) else tree
+
+
+def _model(scope: Scope) -> str:
+    return scope.variables.get("model_name") or hole("model")
+
+
+def _plugin_namespace(scope: Scope) -> Value:
+    """Return the namespace of a model plugin (gazebo_ros_utils.h: GazeboRos)."""
+    return _value(scope, "robotNamespace") or _model(scope)
+
+
+def _robot_namespace(scope: Scope) -> Value:
+    """Return the namespace of a sensor plugin (gazebo_ros_utils.h: GetRobotNamespace)."""
+    namespace = _value(scope, "robotNamespace")
+    return "" if namespace is None else namespace or _model(scope)
+
+
+def _since(scope: Scope, distribution: str) -> bool:
+    return dict(scope.site.environ).get("ROS_DISTRO", LATEST) >= distribution
+
+
+def _argument(args: Sequence[str], index: int, default: Value = None, valued: str = "") -> Value:
+    words = arguments.positional(args, valued)
+    return words[index] if index < len(words) else default
+
+
+def _option(args: Sequence[str], names: str, default: Value = None) -> Value:
+    value = arguments.option(args, names)
+    return default if value is None else value
+
+
+def _get(tree: Value, key: Value, default: Value = None) -> Value:
+    if has_hole(tree):
+        return hole(f"{tree}.{key}")
+    if isinstance(tree, Mapping):
+        return tree.get(key, default)
+    inside = isinstance(tree, (list, tuple)) and isinstance(key, int) and key < len(tree)
+    return tree[key] if inside else default
+
+
+def _split(text: Value) -> Value:
+    if isinstance(text, Hole):
+        return text
+    return text.split() if isinstance(text, str) else list(text or ())
+
+
+def _keys(tree: Value) -> Value:
+    if isinstance(tree, Hole):
+        return tree
+    return list(tree) if isinstance(tree, Mapping) else []
+
+
+def _items(tree: Value) -> Value:
+    if isinstance(tree, Hole):
+        return tree
+    return list(tree) if isinstance(tree, (list, tuple)) else []
+
+
+def _chosen(condition: Value, yes: Value, no: Value) -> Value:
+    return yes if truth(condition) else no
+
+
+_PURE: Mapping[str, Function] = {
+    "chosen": _chosen,
+    "get": _get,
+    "items": _items,
+    "keys": _keys,
+    "split": _split,
+    "truth": truth,
+    "basename": lambda name: str(name).rpartition("/")[2],
+    "parent": lambda name: str(name).rpartition("/")[0],
+    "range": lambda first, last: list(range(first, min(last, 4096))),
+    "rviz_publications": rviz_publications,
+    "rviz_subscriptions": rviz_subscriptions,
+    "yaml_file": yaml_file,
+}

@@ -1,0 +1,83 @@
+"""The library of models, looked up by what they stand for."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path, PurePosixPath
+
+from rtron.errors import InputError
+from rtron.sources.models.descriptions import Description, DescriptionForm
+from rtron.sources.models.form import KINDS, Model
+from rtron.sources.models.read import read_form
+
+LIBRARY = Path(__file__).parent / "library"
+DESCRIPTIONS = "descriptions"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Models:
+    """Models by kind and name (`("node", "amcl/amcl")`), descriptions by package and path."""
+
+    by_name: Mapping[tuple[str, str], Model] = field(default_factory=dict)
+    descriptions: Mapping[tuple[str, str], Description] = field(default_factory=dict)
+
+    def node(self, package: str, executable: str) -> Model | None:
+        """Return the model of a node type, None if there is none."""
+        return self.by_name.get(("node", f"{package}/{executable}"))
+
+    def nodelet(self, class_name: str) -> Model | None:
+        """Return the model of a nodelet class, `package/Class`."""
+        return self.by_name.get(("nodelet", class_name))
+
+    def gazebo_plugin(self, filename: str) -> Model | None:
+        """Return the model of a Gazebo plugin, with or without folder, `lib` and `.so`."""
+        return self.by_name.get(("gazebo_plugin", plugin_name(filename)))
+
+    def controller(self, type: str) -> Model | None:
+        """Return the model of a ros_control controller type."""
+        return self.by_name.get(("controller", type))
+
+    def costmap_layer(self, type: str) -> Model | None:
+        """Return the model of a costmap layer type."""
+        return self.by_name.get(("costmap_layer", type))
+
+    def description(self, package: str, path: str) -> Description | None:
+        """Return what a well-known description file brings, None if it is not known."""
+        return self.descriptions.get((package, path.lstrip("/")))
+
+    def named(self, name: str) -> Model | None:
+        """Return a model by `kind:name`, or a part by its name."""
+        kind, colon, rest = name.partition(":")
+        if colon and kind in KINDS:
+            return self.by_name.get((kind, rest))
+        return self.by_name.get(("part", name))
+
+
+def plugin_name(filename: str) -> str:
+    """Return a Gazebo plugin's file name without folder, `lib` and `.so`."""
+    return PurePosixPath(filename.strip()).name.removeprefix("lib").removesuffix(".so")
+
+
+@cache
+def load_models(folder: Path = LIBRARY) -> Models:
+    """Return the models below a folder; raise InputError with file and line where one is wrong."""
+    paths = sorted(folder.rglob("*.yaml"))
+    described = [path for path in paths if DESCRIPTIONS in path.relative_to(folder).parts]
+    models = [(path, read_form(path, Model)) for path in paths if path not in described]
+    forms = [read_form(path, DescriptionForm) for path in described]
+    return Models(
+        by_name=_by_name(models),
+        descriptions={key: found for form in forms for key, found in form.descriptions()},
+    )
+
+
+def _by_name(models: Iterable[tuple[Path, Model]]) -> dict[tuple[str, str], Model]:
+    by_name: dict[tuple[str, str], Model] = {}
+    for path, model in models:
+        for kind in KINDS:
+            for name in getattr(model, kind):
+                key = (kind, plugin_name(name) if kind == "gazebo_plugin" else name)
+                if key in by_name:
+                    raise InputError(f"{kind} {name} has another model", path=str(path))
+                by_name[key] = model
+    return by_name

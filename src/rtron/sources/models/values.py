@@ -1,0 +1,42 @@
+"""Values that a model computes with; what is not known stands in braces."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from rtron.vocabulary.parameters import UnknownValue
+
+Value = Any
+
+
+class Hole(str):
+    """A value that is not known: its name in braces, `{~prefix}`; stays a hole when looked into."""
+
+    __slots__ = ()
+
+
+def hole(name: str) -> Hole:
+    """Return the hole for a name, whatever braces it already has."""
+    return Hole("{" + name.replace("{", "").replace("}", "") + "}")
+
+
+def known(value: Value, name: str) -> Value:
+    """Return a parameter's value with a hole for each UnknownValue in it."""
+    if isinstance(value, UnknownValue):
+        return hole(name)
+    if isinstance(value, Mapping):
+        return {key: known(inner, f"{name}/{key}") for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [known(inner, f"{name}/{i}") for i, inner in enumerate(value)]
+    return value
+
+
+def has_hole(value: Value) -> bool:
+    """Tell whether a value is, or was built from, something that is not known."""
+    return isinstance(value, str) and "{" in value
+
+
+def truth(value: Value) -> bool:
+    """Return what a value means as a switch: `0`, `false`, `no`, `off` and nothing are false."""
+    if isinstance(value, str):
+        return value.strip().lower() not in {"", "0", "false", "no", "off"}
+    return bool(value)

@@ -1,0 +1,80 @@
+"""A command as it is carried out, and where."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtron.sources.workspace.cmake.build import Build
+from rtron.sources.workspace.cmake.values import BoundsError, Item, Value
+from rtron.vocabulary import Evidence
+
+MAX_STEPS = 200_000
+
+
+@dataclass(slots=True, kw_only=True)
+class Scope:
+    """Variables of a folder or function; `parent` gets what is set with PARENT_SCOPE."""
+
+    folder: Path
+    variables: dict[str, Value] = field(default_factory=dict)
+    parent: "Scope | None" = None
+
+    def set(self, name: str, value: Value) -> None:
+        """Set a variable."""
+        self.variables[name] = value
+
+    def inner(self, folder: Path) -> "Scope":
+        """Return a scope that begins as a copy of this one."""
+        here = {"CMAKE_CURRENT_SOURCE_DIR": Value(str(folder))}
+        return Scope(folder=folder, variables={**self.variables, **here}, parent=self)
+
+
+@dataclass(slots=True)
+class Budget:
+    """The steps that an evaluation may still take; a step handles some hundred characters."""
+
+    left: int = MAX_STEPS
+
+    def spend(self, size: int = 0) -> None:
+        """Take a step for something of a size; raise BoundsError where none is left."""
+        self.left -= 1 + size // 256
+        if self.left < 0:
+            raise BoundsError("takes too many steps")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Call:
+    """A command with its arguments replaced."""
+
+    name: str
+    items: tuple[Item, ...]
+    scope: Scope
+    build: Build
+    budget: Budget
+    evidence: Evidence
+
+    @property
+    def words(self) -> list[str]:
+        """The arguments as text, empty ones left out."""
+        return [item.text for item in self.items if item.text]
+
+    def set(self, name: str, text: str, *, known: bool = True) -> None:
+        """Set a variable in the scope of the command."""
+        self.budget.spend(len(text))
+        self.scope.set(name, Value(text, known))
+
+    def note(self, what: str, why: str) -> None:
+        """Note what of the command could not be resolved."""
+        self.build.note(what, why, self.evidence)
+
+
+def sections(words: list[str], keywords: frozenset[str]) -> Mapping[str, list[str]]:
+    """Return what follows each keyword, and under "" what comes before the first."""
+    found: dict[str, list[str]] = {"": []}
+    current = found[""]
+    for word in words:
+        if word in keywords:
+            current = found.setdefault(word, [])
+        else:
+            current.append(word)
+    return found

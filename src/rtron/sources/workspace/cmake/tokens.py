@@ -1,0 +1,162 @@
+"""Splits a CMake file into its commands and their arguments (cmake-language(7))."""
+
+import re
+from bisect import bisect_right
+from dataclasses import dataclass
+
+MAX_FAULTS = 10
+MAX_ARGUMENTS = 10_000
+
+_BLANK = re.compile(r"(?:[ \t\r\n]+|#(?!\[=*\[)[^\n]*)*")
+_NAME = re.compile(r"([A-Za-z_]\w*)[ \t\r\n]*\(")
+_BRACKET = re.compile(r"\[(=*)\[\n?")
+_QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
+_UNQUOTED = re.compile(
+    r"""(?:[^\s()\#"\\]|\\.)                      # a legacy argument may quote a part of itself
+        (?:[^\s()\#"\\]|\\.|"(?:[^"\\]|\\.)*")*""",
+    re.DOTALL | re.VERBOSE,
+)
+_CONTINUATION = re.compile(r"\\\r?\n")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Argument:
+    """An argument as written: `quoted` is never split, `raw` (in brackets) never expanded."""
+
+    text: str
+    quoted: bool = False
+    raw: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Command:
+    """A command: its name in lower case, its arguments, parentheses among them, and its line."""
+
+    name: str
+    arguments: tuple[Argument, ...] = ()
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fault:
+    """What is wrong at a line of the file."""
+
+    why: str
+    line: int
+
+
+class _SyntaxFaultError(Exception):
+    pass
+
+
+def read_commands(text: str) -> tuple[list[Command], list[Fault]]:
+    """Return the commands of a file and its faults.
+
+    After a fault reading goes on in the next line, MAX_FAULTS times at most.
+    """
+    scanner = _Scanner(text)
+    commands: list[Command] = []
+    faults: list[Fault] = []
+    while len(faults) < MAX_FAULTS:
+        start = scanner.position
+        try:
+            command = scanner.command()
+        except _SyntaxFaultError as error:
+            start = max(scanner.begun, start)
+            faults.append(Fault(why=str(error), line=scanner.line(start)))
+            scanner.skip_line(start)
+            continue
+        if command is None:
+            break
+        commands.append(command)
+    return commands, faults
+
+
+class _Scanner:
+    """A place in the text; `begun` is where the command at hand began."""
+
+    def __init__(self, text: str) -> None:
+        self.position = 0
+        self.begun = 0
+        self._text = text
+        self._newlines = [match.start() for match in re.finditer("\n", text)]
+
+    def line(self, position: int) -> int:
+        """Return the line of a place, from 1."""
+        return bisect_right(self._newlines, position - 1) + 1
+
+    def skip_line(self, position: int) -> None:
+        """Go to the line after that of `position`."""
+        end = self._text.find("\n", position)
+        self.position = len(self._text) if end < 0 else end + 1
+
+    def command(self) -> Command | None:
+        """Return the next command, None at the end."""
+        self._skip_blank()
+        self.begun = self.position
+        if self.position == len(self._text):
+            return None
+        match = _NAME.match(self._text, self.position)
+        if match is None:
+            raise _SyntaxFaultError("a command is expected")
+        self.position = match.end()
+        arguments = tuple(self._arguments())
+        return Command(name=match[1].lower(), arguments=arguments, line=self.line(self.begun))
+
+    def _arguments(self) -> list[Argument]:
+        found: list[Argument] = []
+        depth = 1
+        while True:
+            self._skip_blank()
+            sign = self._text[self.position : self.position + 1]
+            depth += (sign == "(") - (sign == ")")
+            if depth == 0:
+                self.position += 1
+                return found
+            if len(found) == MAX_ARGUMENTS:
+                raise _SyntaxFaultError(f"a command has more than {MAX_ARGUMENTS} arguments")
+            found.append(self._argument(sign))
+
+    def _argument(self, sign: str) -> Argument:
+        if not sign:
+            raise _SyntaxFaultError("a command does not end")
+        if sign in "()":
+            self.position += 1
+            return Argument(text=sign)
+        if bracket := _BRACKET.match(self._text, self.position):
+            return Argument(text=self._bracketed(bracket), quoted=True, raw=True)
+        if sign == '"':
+            return self._quoted()
+        return self._unquoted()
+
+    def _quoted(self) -> Argument:
+        match = _QUOTED.match(self._text, self.position)
+        if match is None:
+            raise _SyntaxFaultError("a quoted argument does not end")
+        self.position = match.end()
+        return Argument(text=_CONTINUATION.sub("", match[1]), quoted=True)
+
+    def _unquoted(self) -> Argument:
+        match = _UNQUOTED.match(self._text, self.position)
+        if match is None:
+            raise _SyntaxFaultError("a backslash stands alone")
+        self.position = match.end()
+        return Argument(text=match[0])
+
+    def _bracketed(self, opening: re.Match[str]) -> str:
+        closing = f"]{opening[1]}]"
+        end = self._text.find(closing, opening.end())
+        if end < 0:
+            raise _SyntaxFaultError("a bracket does not end")
+        self.position = end + len(closing)
+        return self._text[opening.end() : end]
+
+    def _skip_blank(self) -> None:
+        while True:
+            blank = _BLANK.match(self._text, self.position)
+            self.position = blank.end() if blank else self.position
+            comment = self._text[self.position : self.position + 1] == "#"
+            bracket = _BRACKET.match(self._text, self.position + 1) if comment else None
+            if bracket is None:
+                return
+            self._bracketed(bracket)

@@ -1,0 +1,116 @@
+"""The files of a package: listed once, links not followed into other folders."""
+
+import os
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import translate
+from functools import lru_cache
+from pathlib import Path
+
+MAX_FILES = 50_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class PackageFiles:
+    """The files below a package's folder, relative to it, sorted; hidden folders are left out.
+
+    `roots` are the real folders that a file may lie in; a link that leads out of them is no file.
+    `complete` is False where there are more than MAX_FILES.
+    """
+
+    folder: Path
+    roots: tuple[Path, ...]
+    names: tuple[str, ...] = ()
+    complete: bool = True
+    _by_name: Mapping[str, list[str]] = field(default_factory=dict, repr=False)
+    _by_folder: Mapping[str, list[str]] = field(default_factory=dict, repr=False)
+
+    def called(self, name: str) -> tuple[Path, ...]:
+        """Return the files with this name, in whatever folder."""
+        return tuple(self.folder / found for found in self._by_name.get(name, ()))
+
+    def is_file(self, path: Path) -> bool:
+        """Return whether a path is a regular file inside the roots."""
+        return is_inside(path, self.roots) and is_regular(path)
+
+    def is_folder(self, path: Path) -> bool:
+        """Return whether a path is a folder inside the roots."""
+        return is_inside(path, self.roots) and path.is_dir()
+
+    def glob(self, pattern: str, *, recursive: bool) -> tuple[Path, ...]:
+        """Return the files that a pattern of CMake's file(GLOB) names, an absolute one.
+
+        A recursive one's last part is looked for in all folders below the rest of it.
+        """
+        relative = os.path.relpath(os.path.normpath(pattern), self.folder)
+        folder, _, last = relative.rpartition("/")
+        parts = folder.split("/") if folder else []
+        return tuple(
+            self.folder / below / name
+            for below, names in self._by_folder.items()
+            if _fits(below.split("/") if below else [], parts, recursive=recursive)
+            for name in names
+            if _pattern(last).match(name)
+        )
+
+
+def list_files(folder: Path, roots: tuple[Path, ...]) -> PackageFiles:
+    """Return a package's files; what cannot be listed is left out."""
+    names: list[str] = []
+    for parent, folders, files in os.walk(folder):
+        prefix = os.path.relpath(parent, folder) + "/"
+        prefix = "" if prefix == "./" else prefix
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        names.extend(prefix + name for name in files)
+        if len(names) > MAX_FILES:
+            break
+    complete = len(names) <= MAX_FILES
+    names = sorted(names)[:MAX_FILES]
+    split = [name.rpartition("/") for name in names]
+    return PackageFiles(
+        folder=folder,
+        roots=(*roots, folder.resolve()),
+        names=tuple(names),
+        complete=complete,
+        _by_name=_grouped((last, name) for name, (_, _, last) in zip(names, split, strict=True)),
+        _by_folder=_grouped((parent, last) for parent, _, last in split),
+    )
+
+
+def is_regular(path: Path) -> bool:
+    """Return whether a path is a regular file; one that no file can have is not."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_inside(path: Path, folders: tuple[Path, ...]) -> bool:
+    """Return whether a path exists and, its links followed, lies in one of some real folders."""
+    try:
+        real = path.resolve()
+        path.stat()
+    except (OSError, RuntimeError, ValueError):
+        return False
+    return any(real.is_relative_to(folder) for folder in folders)
+
+
+def _fits(folder: Sequence[str], patterns: Sequence[str], *, recursive: bool) -> bool:
+    enough = len(folder) >= len(patterns) if recursive else len(folder) == len(patterns)
+    return enough and all(
+        _pattern(pattern).match(part) for part, pattern in zip(folder, patterns, strict=False)
+    )
+
+
+@lru_cache(maxsize=1024)
+def _pattern(part: str) -> re.Pattern[str]:
+    return re.compile(translate(part))
+
+
+def _grouped(pairs: Iterable[tuple[str, str]]) -> Mapping[str, list[str]]:
+    groups: dict[str, list[str]] = defaultdict(list)
+    for key, value in pairs:
+        groups[key].append(value)
+    return dict(groups)

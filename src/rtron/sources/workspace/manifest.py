@@ -1,0 +1,62 @@
+"""A package's manifest: what it depends on and which plugins it exports (REP 127, REP 140).
+
+rosbuild's manifest.xml is read too (ROS wiki: Manifest).
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.launch.document import Element, parse_xml
+from rtron.vocabulary import Evidence, Unresolved
+
+_DEPENDING = frozenset(
+    {"depend", "build_depend", "build_export_depend", "exec_depend", "run_depend", "test_depend"}
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Export:
+    """A plugin description that a package exports under the tag of the package that loads it."""
+
+    tag: str
+    path: Path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manifest:
+    """The dependencies and exports of a package; an unreadable manifest has none."""
+
+    depends: tuple[str, ...] = ()
+    exports: tuple[Export, ...] = ()
+    unresolved: tuple[Unresolved, ...] = ()
+
+
+def read_manifest(package: Path) -> Manifest:
+    """Return a package's manifest, package.xml before manifest.xml."""
+    path = package / "package.xml"
+    path = path if path.is_file() else package / "manifest.xml"
+    try:
+        root = parse_xml(path)
+    except InputError as error:
+        place = Evidence(file=error.path, line=error.line)
+        return Manifest(unresolved=(Unresolved(what=path.name, why=str(error), evidence=(place,)),))
+    return Manifest(depends=_depends(root), exports=tuple(_exports(root, package)))
+
+
+def _depends(root: Element) -> tuple[str, ...]:
+    named = (
+        child.get("package") or child.text or ""
+        for child in root.iterchildren("*")
+        if child.tag in _DEPENDING
+    )
+    return tuple(dict.fromkeys(name.strip() for name in named if name.strip()))
+
+
+def _exports(root: Element, package: Path) -> list[Export]:
+    tags = (tag for export in root.iterchildren("export") for tag in export.iterchildren("*"))
+    return [
+        Export(tag=str(tag.tag), path=Path(text.replace("${prefix}", str(package))))
+        for tag in tags
+        if (text := tag.get("plugin"))
+    ]

@@ -1,0 +1,58 @@
+"""What runs when a launch names an executable: its language and its files."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.vocabulary import Word
+
+
+class Language(Word):
+    """What a program is written in."""
+
+    CPP = "cpp"
+    PYTHON = "python"
+    SHELL = "sh"
+    OTHER = "other"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Program:
+    """An executable, a library or a script of a package.
+
+    `sources` are its own files and those of the libraries of its package that it links, its own
+    first; `reachable_packages` are the packages known here that it may use code of; `links` are
+    the names that it links, directly or by a library of its package.
+    """
+
+    name: str
+    package: str
+    language: Language
+    sources: tuple[Path, ...] = ()
+    definitions: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+    reachable_packages: tuple[str, ...] = ()
+
+
+def digest(program: Program) -> str:
+    """Return a hash over a program's files, definitions and language, in hexadecimal.
+
+    A file that cannot be read counts by its name alone.
+    """
+    whole = hashlib.sha256()
+    for text in (program.language, program.package, program.name, *program.definitions):
+        whole.update(f"{text}\0".encode("utf-8", "surrogateescape"))
+    for path in program.sources:
+        whole.update(str(path).encode("utf-8", "surrogateescape") + _content_hash(path))
+    return whole.hexdigest()
+
+
+def _content_hash(path: Path) -> bytes:
+    try:
+        with path.open("rb") as stream:
+            content = hashlib.sha256()
+            while block := stream.read(1 << 20):
+                content.update(block)
+            return content.digest()
+    except OSError:
+        return b"\0"

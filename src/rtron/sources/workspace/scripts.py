@@ -1,0 +1,60 @@
+"""Finds a script of a package as rosrun does: by name, in any folder (ROS wiki: rosbash)."""
+
+import re
+from pathlib import Path
+
+from rtron.sources.workspace.files import PackageFiles
+from rtron.sources.workspace.package import PackageContents
+from rtron.sources.workspace.program import Language
+
+_PREFERRED = ("scripts", "nodes", "bin", "src")
+_SUFFIXES = {".py": Language.PYTHON, ".sh": Language.SHELL, ".bash": Language.SHELL}
+_SHEBANG = re.compile(rb"#![^\n]*?\b(python|bash|zsh|sh)[\d.]*\b")
+_SHEBANG_BYTES = 256
+
+
+def find_script(name: str, contents: PackageContents, files: PackageFiles) -> Path | None:
+    """Return the script of this name, an installed one first.
+
+    Files must be executable, unless the package keeps no modes: then no file of it is.
+    """
+    installed = dict(contents.installed).get(name)
+    if installed is not None:
+        return installed
+    found = [path for path in files.called(name) if files.is_file(path)]
+    runnable = [path for path in found if is_executable(path)]
+    if not runnable and found and not keeps_modes(files):
+        runnable = [path for path in found if language(path) is not Language.OTHER]
+    return min(runnable, key=lambda path: _rank(path, files.folder), default=None)
+
+
+def keeps_modes(files: PackageFiles) -> bool:
+    """Return whether any file of a package is executable."""
+    return any(is_executable(files.folder / name) for name in files.names)
+
+
+def is_executable(path: Path) -> bool:
+    """Return whether somebody may execute a file."""
+    try:
+        return bool(path.stat().st_mode & 0o111)
+    except OSError:
+        return False
+
+
+def language(path: Path) -> Language:
+    """Return what a script is written in, by its first line or its name's ending."""
+    try:
+        with path.open("rb") as stream:
+            start = stream.read(_SHEBANG_BYTES)
+    except OSError:
+        return Language.OTHER
+    shebang = _SHEBANG.match(start)
+    if shebang is None:
+        return _SUFFIXES.get(path.suffix, Language.OTHER)
+    return Language.PYTHON if shebang[1] == b"python" else Language.SHELL
+
+
+def _rank(path: Path, folder: Path) -> tuple[int, int, str]:
+    parts = path.relative_to(folder).parts
+    places = [place for place, name in enumerate(_PREFERRED) if name in parts]
+    return (min(places, default=len(_PREFERRED)), len(parts), str(path))

@@ -1,0 +1,42 @@
+"""`<xacro:property>`: a value, a default, a block, or the removal of one (ROS wiki: xacro)."""
+
+from rtron.sources.xacro.element import XmlElement
+from rtron.sources.xacro.scope import Scope, truth
+from rtron.sources.xacro.surroundings import Surroundings
+
+
+def define_property(around: Surroundings, element: XmlElement, symbols: Scope) -> None:
+    """Set what a `<xacro:property>` says in the scope it says it for.
+
+    Raise ValueError if it is none, and what evaluating it raises.
+    """
+    name = str(around.value(element.attributes.get("name", ""), symbols))
+    if not name.isidentifier() or name.startswith("__"):
+        raise ValueError(f"'{name}' is no name of a property")
+    if truth(around.value(element.attributes.get("remove", "false"), symbols)):
+        symbols.remove(name)
+        return
+    value, default = element.attributes.get("value"), element.attributes.get("default")
+    if default is not None and name in symbols:
+        return
+    target = _target(element, symbols)
+    text = default if value is None else value
+    if text is None:
+        target.set(f"**{name}", element, lazy=False)
+        return
+    lazy = target is symbols and truth(
+        around.value(element.attributes.get("lazy_eval", "true"), symbols)
+    )
+    target.set(name, text if lazy else around.value(text, symbols), lazy=lazy)
+
+
+def _target(element: XmlElement, symbols: Scope) -> Scope:
+    scope = element.attributes.get("scope")
+    if scope == "global":
+        return list(symbols.chain())[-1]
+    if scope == "parent":
+        caller = symbols.caller()
+        if caller is None:
+            raise ValueError("has no parent scope")
+        return caller
+    return symbols

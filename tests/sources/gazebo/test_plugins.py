@@ -1,0 +1,93 @@
+"""Plugins, joints and transmissions of a description, whatever it was read from."""
+
+import pytest
+
+from rtron.sources.gazebo import (
+    PluginScope,
+    Sensor,
+    joints_of,
+    plugin_library,
+    plugins_of,
+    transmissions_of,
+)
+from rtron.sources.xacro import parse_element
+from rtron.vocabulary import Evidence
+
+URDF = """<?xml version="1.0" encoding="utf-8"?>
+<robot name="r">
+  <plugin filename="not_in_gazebo.so" name="no"/>
+  <gazebo>
+    <plugin name="drive" filename="libdrive.so">
+      <topic> cmd_vel </topic><joint>a</joint><joint>b</joint><joint>c</joint>
+      <inner><x>1</x></inner><empty/>
+    </plugin>
+  </gazebo>
+  <gazebo reference="camera_link">
+    <material>Gazebo/Red</material>
+    <sensor type="multicamera" name="eyes">
+      <update_rate>30.5</update_rate><camera name="left"/><camera name="right"/>
+      <plugin name="eyes_plugin" filename="/opt/lib/libeyes.so"/>
+    </sensor>
+    <sensor type="ray" name="laser"><update_rate>fast</update_rate><plugin/></sensor>
+  </gazebo>
+</robot>"""
+
+
+def test_the_plugins_of_a_urdf():
+    drive, eyes, bare = plugins_of(parse_element(URDF, "robot.urdf"))
+    assert (drive.filename, drive.name, drive.scope) == ("drive", "drive", PluginScope.MODEL)
+    assert drive.values == {
+        "topic": "cmd_vel",
+        "joint": ["a", "b", "c"],
+        "inner": {"x": "1"},
+        "empty": "",
+    }
+    assert drive.evidence == Evidence(file="robot.urdf", line=5)
+    assert (drive.sensor, drive.link) == (None, "")
+    assert (eyes.filename, eyes.link, eyes.scope) == ("eyes", "camera_link", PluginScope.SENSOR)
+    assert eyes.sensor == Sensor(
+        type="multicamera", name="eyes", update_rate=30.5, cameras=("left", "right")
+    )
+    assert (bare.filename, bare.name, bare.sensor.update_rate) == ("", "", None)
+
+
+@pytest.mark.parametrize(
+    ("filename", "library"),
+    [
+        ("libgazebo_ros_camera.so", "gazebo_ros_camera"),
+        ("gazebo_ros_camera", "gazebo_ros_camera"),
+        (" /a/libx.so ", "x"),
+        ("x.so", "x"),
+        ("liblib.so.so", "lib.so"),
+        ("", ""),
+    ],
+)
+def test_a_library_is_named_without_lib_and_so(filename, library):
+    assert plugin_library(filename) == library
+
+
+def test_joints_and_what_drives_them():
+    root = parse_element(
+        """<robot><joint name="a" type="continuous"/><joint name="b" type="fixed"/>
+        <joint name="c" type="revolute"><mimic joint="a"/></joint>
+        <transmission name="t"><type>transmission_interface/SimpleTransmission</type>
+          <joint name="a"><hardwareInterface>hardware_interface/EffortJointInterface
+          </hardwareInterface><hardwareInterface>PositionJointInterface</hardwareInterface></joint>
+          <actuator name="m"><hardwareInterface>Other</hardwareInterface></actuator></transmission>
+        <transmission name="u" type="old"><joint name="c"/>
+          <actuator name="m">
+          <hardwareInterface>VelocityJointInterface</hardwareInterface></actuator>
+        </transmission></robot>""",
+        "r.urdf",
+    )
+    assert [(j.name, j.moves, j.mimics) for j in joints_of(root)] == [
+        ("a", True, ""),
+        ("b", False, ""),
+        ("c", True, "a"),
+    ]
+    new, old = transmissions_of(root)
+    assert (new.name, new.type) == ("t", "transmission_interface/SimpleTransmission")
+    assert new.joints[0].interfaces == ("EffortJointInterface", "PositionJointInterface")
+    assert (old.type, old.joints[0].name) == ("old", "c")
+    assert old.joints[0].interfaces == ("VelocityJointInterface",)
+    assert new.evidence.line == 3

@@ -1,0 +1,213 @@
+"""Programs, plugins, headers and modules of a workspace."""
+
+import os
+from pathlib import Path
+
+import pytest
+from workspace_tree import package, workspace
+
+from rtron.sources.workspace import Language, digest, read_workspace
+from rtron.vocabulary import Trust
+
+PYTHON = "#!/usr/bin/env python3\n"
+NODELETS = (
+    '<library path="lib/libnodes"><class name="p/N" type="ns::N"'
+    ' base_class_type="nodelet::Nodelet"/></library>'
+)
+EXPORT = '<export><nodelet plugin="${prefix}/n.xml"/></export>'
+
+
+def test_a_program_has_the_libraries_of_its_package_and_reaches_others(tmp_path):
+    cmake = (
+        "find_package(catkin REQUIRED COMPONENTS q gone)\n"
+        "add_library(low l.cpp)\nadd_library(mid m.cpp)\ntarget_link_libraries(mid low mid)\n"
+        "add_executable(n n.cpp)\ntarget_link_libraries(n mid ${catkin_LIBRARIES} pthread)"
+    )
+    names = ("l.cpp", "m.cpp", "n.cpp")
+    package(tmp_path / "p", {"CMakeLists.txt": cmake, **dict.fromkeys(names, "")})
+    package(tmp_path / "q", {})
+    program = workspace(tmp_path).executable("p", "n")
+    assert [path.name for path in program.sources] == ["n.cpp", "m.cpp", "l.cpp"]
+    assert program.reachable_packages == ("q",)
+    assert program.language is Language.CPP
+
+
+def test_neither_package_nor_program_is_an_error(tmp_path):
+    package(tmp_path / "p", {})
+    found = workspace(tmp_path)
+    assert found.executable("p", "n") is None
+    assert found.executable("q", "n") is None
+    assert found.contents("q") is None
+    assert found.library("libn.so") is None
+    assert found.messages("q") == frozenset()
+
+
+@pytest.mark.parametrize(
+    ("files", "expected", "language"),
+    [
+        ({"n": PYTHON}, "n", Language.PYTHON),
+        ({"a/n": PYTHON, "scripts/n": PYTHON}, "scripts/n", Language.PYTHON),
+        ({"bin/n": PYTHON, "nodes/n": PYTHON}, "nodes/n", Language.PYTHON),
+        ({"n": "#!/bin/sh\n"}, "n", Language.SHELL),
+        ({"n": "#!/usr/bin/env bash\n"}, "n", Language.SHELL),
+        ({"n": "#!/usr/bin/perl\n"}, "n", Language.OTHER),
+        ({"n": "", "other": PYTHON}, None, None),
+        ({"n": "print()"}, None, None),
+        ({".git/n": PYTHON}, None, None),
+        ({"n.py": PYTHON}, None, None),
+    ],
+)
+def test_scripts_are_found_by_name(tmp_path, files, expected, language):
+    path = package(tmp_path / "p", files)
+    program = workspace(tmp_path).executable("p", "n")
+    assert (program and program.sources) == (expected and (path / expected,))
+    assert (program and program.language) is language
+
+
+def test_without_modes_an_ending_makes_a_script(tmp_path):
+    path = package(tmp_path / "p", {"n.py": "", "n.yaml": ""})
+    assert workspace(tmp_path).executable("p", "n.py").sources == (path / "n.py",)
+    assert workspace(tmp_path).executable("p", "n.yaml") is None
+
+
+def test_an_installed_script_has_its_new_name(tmp_path):
+    cmake = "install(PROGRAMS s/a.py RENAME n DESTINATION bin)"
+    path = package(tmp_path / "p", {"CMakeLists.txt": cmake, "s/a.py": ""})
+    assert workspace(tmp_path).executable("p", "n").sources == (path / "s/a.py",)
+
+
+@pytest.mark.parametrize(
+    "description",
+    [
+        NODELETS,
+        f"<class_libraries>{NODELETS}</class_libraries>",
+        f'<?xml version="1.0"?>\n{NODELETS}\n{NODELETS}',
+    ],
+)
+def test_nodelets_are_found_by_name_and_type(tmp_path, description):
+    files = {"CMakeLists.txt": "add_library(nodes n.cpp)", "n.cpp": "", "n.xml": description}
+    path = package(tmp_path / "p", files, EXPORT)
+    for name in ("p/N", "ns::N"):
+        plugin = workspace(tmp_path).nodelet(name)
+        assert (plugin.declared.type, plugin.declared.base) == ("ns::N", "nodelet::Nodelet")
+        assert plugin.program.sources == (path / "n.cpp",)
+    assert workspace(tmp_path).nodelet("p/M") is None
+
+
+def test_plugins_are_found_by_tag_and_base_class(tmp_path):
+    package(tmp_path / "p", {"n.xml": NODELETS}, EXPORT.replace("nodelet ", "nav "))
+    found = workspace(tmp_path)
+    assert found.plugin("p/N", "nav").program is None
+    assert found.plugin("p/N", "nodelet::Nodelet").declared == found.plugins("nav")[0]
+    assert found.plugins("other") == ()
+
+
+@pytest.mark.parametrize("name", ["libx.so", "x", "lib/libx", "/opt/lib/libx.so.1"])
+def test_a_library_is_found_by_its_file(tmp_path, name):
+    cmake = "add_library(t x.cpp)\nset_target_properties(t PROPERTIES OUTPUT_NAME x)"
+    path = package(tmp_path / "p", {"CMakeLists.txt": cmake, "x.cpp": ""})
+    assert workspace(tmp_path).library(name).sources == (path / "x.cpp",)
+
+
+@pytest.mark.parametrize(
+    ("description", "why"),
+    [
+        ("<library>", "not XML"),
+        ('<!DOCTYPE x [<!ENTITY e "e">]><library path="&e;"/>', "not XML"),
+        (None, "is not there"),
+    ],
+)
+def test_a_bad_description_is_noted(tmp_path, description, why):
+    package(tmp_path / "p", {} if description is None else {"n.xml": description}, EXPORT)
+    found = workspace(tmp_path)
+    assert found.nodelet("p/N") is None
+    assert why in found.unresolved()[0].why
+
+
+def test_headers_are_looked_for_near_then_in_the_package_then_everywhere(tmp_path):
+    cmake = "include_directories(inc)"
+    p = package(
+        tmp_path / "p",
+        {"CMakeLists.txt": cmake, "src/n.cpp": "", "src/a.h": "", "inc/a.h": "", "inc/b.h": ""},
+    )
+    q = package(tmp_path / "q", {"include/q/c.h": "", "include/b.h": ""})
+    (tmp_path.parent / "secret.h").write_text("")
+    found, source = workspace(tmp_path), p / "src" / "n.cpp"
+    assert found.header("a.h", source) == p / "src" / "a.h"
+    assert found.header("b.h", source) == p / "inc" / "b.h"
+    assert found.header("q/c.h", source) == q / "include" / "q" / "c.h"
+    for text in ("none.h", "/etc/passwd", "../../../secret.h", "a\0b", "x" * 5000):
+        assert found.header(text, source) is None
+
+
+def test_python_modules_are_looked_for_near_then_in_packages(tmp_path):
+    setup = "d = generate_distutils_setup(packages=['p'], package_dir={'': 'lib'})\n"
+    p = package(tmp_path / "p", {"setup.py": setup, "lib/p/__init__.py": "", "scripts/near.py": ""})
+    q = package(tmp_path / "q", {"setup.py": "setup(package_dir={'q': 'py/q'})", "py/q/m.py": ""})
+    r = package(tmp_path / "r", {"src/r.py": "", "setup.py": "("})
+    found, script = workspace(tmp_path), p / "scripts" / "n"
+    assert found.python_module("p", "p", script) == p / "lib/p/__init__.py"
+    assert found.python_module("near", "p", script) == p / "scripts" / "near.py"
+    assert found.python_module("q.m", "p", script) == q / "py/q/m.py"
+    assert found.python_module("r", "p", script) == r / "src/r.py"
+    for dotted in ("", "rospy", "p.none", "..etc", "a" * 5000):
+        assert found.python_module(dotted, "p", script) is None
+
+
+def test_messages_name_what_is_made_of_them(tmp_path):
+    package(tmp_path / "p", {"msg/A.msg": "", "srv/B.srv": "", "action/C.action": "", "msg/D": ""})
+    made = "A B BRequest BResponse CAction CGoal CResult CFeedback"
+    actions = "CActionGoal CActionResult CActionFeedback"
+    assert workspace(tmp_path).messages("p") == {*made.split(), *actions.split()}
+
+
+def test_trust_says_where_a_package_lies(tmp_path):
+    package(tmp_path / "own" / "p", {})
+    package(tmp_path / "other" / "q", {})
+    found = read_workspace([tmp_path / "own"], {"ROS_PACKAGE_PATH": str(tmp_path)})
+    assert found.trust("p") is Trust.OWN
+    assert found.trust("q") is Trust.THIRD_PARTY
+    assert found.trust("r") is Trust.UNKNOWN
+
+
+def test_the_package_of_a_file(tmp_path):
+    path = package(tmp_path / "p", {"src/a.cpp": ""})
+    assert workspace(tmp_path).package_of(path / "src" / "a.cpp") == "p"
+    assert workspace(tmp_path).package_of(tmp_path / "a.cpp") is None
+
+
+def test_a_digest_changes_with_content_and_definitions(tmp_path):
+    cmake = "add_executable(n a.cpp)\n"
+    path = package(tmp_path / "p", {"CMakeLists.txt": cmake, "a.cpp": ""})
+    first = digest(workspace(tmp_path).executable("p", "n"))
+    assert first == digest(workspace(tmp_path).executable("p", "n"))
+    (path / "a.cpp").write_text("x")
+    second = digest(workspace(tmp_path).executable("p", "n"))
+    (path / "CMakeLists.txt").write_text(cmake + "add_definitions(-DX)")
+    assert len({first, second, digest(workspace(tmp_path).executable("p", "n"))}) == 3
+    program = workspace(tmp_path).executable("p", "n")
+    (path / "a.cpp").unlink()
+    assert digest(program) not in {first, second}
+
+
+def test_a_manifest_that_is_no_xml_is_noted(tmp_path):
+    package(tmp_path / "p", {"package.xml": "<"})
+    found = workspace(tmp_path)
+    assert found.manifest("p").depends == ()
+    assert "not XML" in found.unresolved()[0].why
+
+
+@pytest.mark.skipif("RTRON_APPS" not in os.environ, reason="RTRON_APPS names no folder of apps")
+@pytest.mark.parametrize(
+    ("app", "name", "type", "source"),
+    [
+        ("AutoRally/autorally@c2692f2", "autorally_control", "gpsWaypoint", ".cpp"),
+        ("ROBOTIS-GIT/turtlebot3_autorace@391144a", "turtlebot3_autorace_core",
+         "core_node_controller", "core_node_controller"),
+        ("ros-planning/navigation@9ad6441", "move_base", "move_base", "move_base.cpp"),
+    ],
+)  # fmt: skip
+def test_programs_of_real_apps(app, name, type, source):
+    found = read_workspace([Path(os.environ["RTRON_APPS"]) / app], {})
+    program = found.executable(name, type)
+    assert any(path.name.endswith(source) for path in program.sources)

@@ -1,0 +1,45 @@
+"""Writes the packages that the tests of the workspace look into."""
+
+from pathlib import Path
+
+from rtron.sources.workspace import PackageContents, Workspace
+from rtron.sources.workspace.cmake.evaluator import evaluate
+from rtron.sources.workspace.files import list_files
+
+HEAD = "project(pkg)\n"
+
+
+def write(folder: Path, files: dict[str, str]) -> Path:
+    """Write files below a folder, their folders too; a text that begins with `#!` may run."""
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        path.chmod(0o755 if text.startswith("#!") else 0o644)
+    return folder
+
+
+def package(folder: Path, files: dict[str, str], extra: str = "") -> Path:
+    """Write a package named as its folder; `extra` stands in its manifest."""
+    manifest = f"<package><name>{folder.name}</name>{extra}</package>"
+    return write(folder, {"package.xml": manifest, **files})
+
+
+def evaluated(folder: Path, cmake: str, sources: str = "a.cpp b.cpp c.cpp") -> PackageContents:
+    """Evaluate a CMakeLists.txt beside some empty sources."""
+    write(folder, {"CMakeLists.txt": HEAD + cmake, **dict.fromkeys(sources.split(), "")})
+    return evaluate("pkg", list_files(folder, ()))
+
+
+def sources(contents: PackageContents) -> dict[str, list[str]]:
+    """Return the sources of each target, relative to the package."""
+    return {
+        target.name: [str(path.relative_to(contents.path)) for path in target.sources]
+        for target in contents.targets
+    }
+
+
+def workspace(folder: Path) -> Workspace:
+    """Return the workspace of the packages right below a folder."""
+    found = {path.parent.name: path.parent for path in sorted(folder.glob("*/package.xml"))}
+    return Workspace(found, [folder])
