@@ -1,5 +1,7 @@
 """Runs one node's program on the abstract machine, and returns what the node declares."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from rtron.sources.code.interpreter.arguments import Arguments
@@ -14,67 +16,93 @@ from rtron.sources.code.interpreter.python_world import PythonWorld
 from rtron.sources.code.interpreter.recorder import Recorder
 from rtron.sources.code.interpreter.statements import EXECUTORS
 from rtron.sources.code.interpreter.symbols import Symbols
-from rtron.sources.code.interpreter.values import FunctionValue, Hole, Known
+from rtron.sources.code.interpreter.values import (
+    ClassValue,
+    FunctionValue,
+    Hole,
+    Known,
+)
 from rtron.sources.code.interpreter.world import World
 from rtron.sources.code.natives.cpp_ros import CPP_ROS_CLASSES, CPP_ROS_FUNCTIONS
 from rtron.sources.code.natives.cpp_std import CPP_STD_CLASSES, CPP_STD_FUNCTIONS
 from rtron.sources.code.natives.python_builtins import BUILTINS
 from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, constants
 from rtron.sources.code.natives.python_ros import PYTHON_ROS
-from rtron.sources.code.reachability import run_pending
+from rtron.sources.code.reachability import changed_at_any_time, run_pending
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence
 
 
 def run_python(script: Path, site: NodeSite, files: Files) -> NodeInterface:
     """Return what a Python script declares when it runs as the node at `site`."""
-    recorder = Recorder(site)
-    world = PythonWorld(files=files, natives={**PYTHON_ROS, **PYTHON_LIBRARY}, builtins=BUILTINS)
-    machine = _machine(world, recorder)
-    world.machine = machine
-    world.natives = {**world.natives, **constants(machine)}
-    _bounded(machine, script, lambda: world.run(script, "__main__"))
-    return recorder.result()
+
+    def run(volatile: frozenset[str]) -> Machine:
+        world = PythonWorld(
+            files=files, natives={**PYTHON_ROS, **PYTHON_LIBRARY}, builtins=BUILTINS
+        )
+        machine = _machine(world, site, volatile)
+        world.machine = machine
+        world.natives = {**world.natives, **constants(machine)}
+        _bounded(machine, script, lambda: world.run(script, "__main__"))
+        return machine
+
+    return _settled(run)
 
 
 def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: Files) -> NodeInterface:
     """Return what the program of these sources declares: from its `main` on."""
-    world, machine = _cpp(sources, site, files)
-    mains = [f for f in world.symbols.functions.get("main", []) if f.body is not None]
-    if not mains:
-        place = Evidence(file=str(sources[0]) if sources else "")
-        machine.recorder.unresolved("main", "the sources have no main function", place)
-    for main in mains[:1]:
-        words = (site.name.rpartition("/")[2], *site.args)
-        values = (Known(len(words)), listed([Known(word) for word in words]))
-        arguments = Arguments(values=values, line=main.line, frame=Frame(file=main.file))
-        _bounded(machine, Path(main.file), lambda: machine.call(FunctionValue(main), arguments))
-    return machine.recorder.result()
+
+    def run(volatile: frozenset[str]) -> Machine:
+        world, machine = _cpp(sources, site, files, volatile)
+        mains = [f for f in world.symbols.functions.get("main", []) if f.body is not None]
+        if not mains:
+            place = Evidence(file=str(sources[0]) if sources else "")
+            machine.recorder.unresolved("main", "the sources have no main function", place)
+        for main in mains[:1]:
+            words = (site.name.rpartition("/")[2], *site.args)
+            values = (Known(len(words)), listed([Known(word) for word in words]))
+            arguments = Arguments(values=values, line=main.line, frame=Frame(file=main.file))
+            called = FunctionValue(main)
+            _bounded(machine, Path(main.file), partial(machine.call, called, arguments))
+        return machine
+
+    return _settled(run)
 
 
 def run_nodelet(
     sources: tuple[Path, ...], cls: str, site: NodeSite, files: Files
 ) -> NodeInterface:
     """Return what a nodelet's class declares: made, then its `onInit` run."""
-    world, machine = _cpp(sources, site, files)
-    found = world.class_named(cls)
-    if found is None:
-        place = Evidence(file=str(sources[0]) if sources else "")
-        machine.recorder.unresolved(f"nodelet {cls}", "its class is not in the sources", place)
-        return machine.recorder.result()
 
-    def load() -> None:
-        frame = Frame(file=found.definition.file)
-        made = world.instantiate(found, Arguments(frame=frame))
-        method = world.attribute(made, "onInit", ())
-        dispatch(machine, method or Hole("onInit"), Arguments(frame=frame))
+    def run(volatile: frozenset[str]) -> Machine:
+        world, machine = _cpp(sources, site, files, volatile)
+        found = world.class_named(cls)
+        if found is None:
+            place = Evidence(file=str(sources[0]) if sources else "")
+            machine.recorder.unresolved(f"nodelet {cls}", "its class is not in the sources", place)
+        else:
+            _bounded(machine, Path(found.definition.file), partial(_load, world, found))
+        return machine
 
-    _bounded(machine, Path(found.definition.file), load)
-    return machine.recorder.result()
+    return _settled(run)
+
+
+def _load(world: CppWorld, cls: ClassValue) -> None:
+    frame = Frame(file=cls.definition.file)
+    made = world.instantiate(cls, Arguments(frame=frame))
+    method = world.attribute(made, "onInit", ())
+    dispatch(world.machine, method or Hole("onInit"), Arguments(frame=frame))
+
+
+def _settled(run: Callable[[frozenset[str]], Machine]) -> NodeInterface:
+    """Run a program, and once more with what its callbacks change taken as unknown."""
+    machine = run(frozenset())
+    volatile = changed_at_any_time(machine)
+    return (run(volatile) if volatile else machine).recorder.result()
 
 
 def _cpp(
-    sources: tuple[Path, ...], site: NodeSite, files: Files
+    sources: tuple[Path, ...], site: NodeSite, files: Files, volatile: frozenset[str]
 ) -> tuple[CppWorld, Machine]:
     symbols = Symbols(files)
     for source in sources:
@@ -85,25 +113,33 @@ def _cpp(
         functions={**CPP_STD_FUNCTIONS, **CPP_ROS_FUNCTIONS},
         native_classes={**CPP_STD_CLASSES, **CPP_ROS_CLASSES},
     )
-    machine = _machine(world, Recorder(site))
+    machine = _machine(world, site, volatile)
     world.machine = machine
     return world, machine
 
 
-def _machine(world: World, recorder: Recorder) -> Machine:
+def _machine(world: World, site: NodeSite, volatile: frozenset[str]) -> Machine:
     return Machine(
-        world=world, recorder=recorder, evaluators=dict(EVALUATORS), executors=dict(EXECUTORS)
+        world=world,
+        recorder=Recorder(site),
+        evaluators=dict(EVALUATORS),
+        executors=dict(EXECUTORS),
+        volatile=volatile,
     )
 
 
-def _bounded(machine: Machine, path: Path, run: object) -> None:
+def _bounded(machine: Machine, path: Path, run: Callable[[], object]) -> None:
     """Run a program and what it leaves to be called; what does not end is noted."""
-    try:
-        run()  # type: ignore[operator]
-        run_pending(machine)
-    except StepsExceededError:
-        machine.recorder.unresolved(path.name, "too large to be run whole", Evidence(file=str(path)))
-    except ThrownError as error:
-        machine.recorder.unresolved(path.name, f"ends by {error.name}", Evidence(file=str(path)))
-    except RecursionError:
-        machine.recorder.unresolved(path.name, "nested too deep", Evidence(file=str(path)))
+    for part in (run, partial(run_pending, machine)):
+        try:
+            part()
+        except StepsExceededError:
+            _incomplete(machine, path, "too large to be run whole")
+        except ThrownError as error:
+            _incomplete(machine, path, f"ends by {error.name}")
+        except RecursionError:
+            _incomplete(machine, path, "nested too deep")
+
+
+def _incomplete(machine: Machine, path: Path, why: str) -> None:
+    machine.recorder.unresolved(path.name, why, Evidence(file=str(path)))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.calling import dispatch
 from rtron.sources.code.interpreter.frame import Frame
-from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.machine import Machine, StepsExceededError, ThrownError
 from rtron.sources.code.interpreter.values import (
     ClassValue,
     Foreign,
@@ -15,7 +15,8 @@ from rtron.sources.code.interpreter.values import (
     Value,
 )
 from rtron.sources.code.ir import Class, Function
-from rtron.sources.code.words import called_words
+from rtron.sources.code.words import called_words, written_names
+from rtron.vocabulary import Evidence
 
 API = frozenset(
     "advertise subscribe advertiseService serviceClient advertiseCamera subscribeCamera Publisher "
@@ -26,6 +27,7 @@ API = frozenset(
     "RealtimePublisher InteractiveMarkerServer Bond SubscriberFilter SimpleActionServer<>".split()
 )
 MAX_RUNS = 400
+MAX_STEPS = 100_000
 
 
 def run_pending(machine: Machine) -> None:
@@ -34,9 +36,20 @@ def run_pending(machine: Machine) -> None:
         waiting = next(_waiting(machine), None)
         if waiting is None:
             return
-        frame = Frame(file=waiting.function.file)
         machine.ran.add(_key(waiting.function))
-        dispatch(machine, waiting, Arguments(frame=frame))
+        _run(machine, waiting)
+
+
+def _run(machine: Machine, waiting: FunctionValue) -> None:
+    function = waiting.function
+    place = Evidence(file=function.file, line=function.line)
+    try:
+        with machine.budget(MAX_STEPS):
+            dispatch(machine, waiting, Arguments(frame=Frame(file=function.file)))
+    except StepsExceededError:
+        machine.recorder.unresolved(function.name, "too large to be run whole", place)
+    except ThrownError as error:
+        machine.recorder.unresolved(function.name, f"ends by {error.name}", place)
 
 
 def _waiting(machine: Machine) -> Iterator[FunctionValue]:
@@ -61,18 +74,25 @@ def _counts(machine: Machine, function: Function) -> bool:
 
 def joins_nodes(machine: Machine, function: Function) -> bool:
     """Tell whether a function, or what it may call by name, declares anything."""
+    return any(called_words(reached) & API for reached in _reached(machine, [function]))
+
+
+def changed_at_any_time(machine: Machine) -> frozenset[str]:
+    """Return the members and globals that callbacks may change while the program runs."""
+    reached = _reached(machine, list(machine.escaped))
+    return frozenset(name for function in reached for name in written_names(function))
+
+
+def _reached(machine: Machine, queue: list[Function]) -> Iterator[Function]:
+    """Yield functions and what they may call, by plain names."""
     seen: set[tuple[str, int, str]] = set()
-    queue = [function]
     while queue:
         current = queue.pop()
         if _key(current) in seen:
             continue
         seen.add(_key(current))
-        words = called_words(current)
-        if words & API:
-            return True
-        queue.extend(other for word in words for other in machine.world.named(word))
-    return False
+        yield current
+        queue.extend(o for word in called_words(current) for o in machine.world.named(word))
 
 
 def _has_unknown_base(machine: Machine, instance: Instance) -> bool:

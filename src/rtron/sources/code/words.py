@@ -1,10 +1,19 @@
-"""The plain names that a function calls, found once and kept."""
+"""The plain names that a function calls and writes, found once and kept."""
 
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
-from rtron.sources.code.ir import Attr, Call, Function, Name, New, TypeRef
+from rtron.sources.code.ir import (
+    Assign,
+    Attr,
+    Call,
+    Declare,
+    Function,
+    Name,
+    New,
+    TypeRef,
+)
 
 
 @lru_cache(maxsize=50_000)
@@ -14,21 +23,40 @@ def called_words(function: Function) -> frozenset[str]:
     return frozenset(word for body in bodies for word in _words(body))
 
 
-def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
+@lru_cache(maxsize=50_000)
+def written_names(function: Function) -> frozenset[str]:
+    """Return the members and globals that a function may assign to."""
+    local = {declared.name for declared in _nodes(function.body) if isinstance(declared, Declare)}
+    targets = [
+        target
+        for node in _nodes(function.body)
+        if isinstance(node, Assign)
+        for target in node.targets
+    ]
+    names = {target.name for target in targets if isinstance(target, Attr)}
+    names |= {target.id for target in targets if isinstance(target, Name)} - local
+    return frozenset(names)
+
+
+def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR
     stack = [node]
     while stack:
         current = stack.pop()
         if isinstance(current, tuple):
             stack.extend(current)
-            continue
+        elif hasattr(current, "__slots__"):
+            yield current
+            stack.extend(getattr(current, name) for name in current.__slots__)
+
+
+def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
+    for current in _nodes(node):
         if isinstance(current, Call):
             yield from _called(current.function)
         elif isinstance(current, New):
             yield current.type.name.rpartition("::")[2]
         elif isinstance(current, TypeRef):
             yield current.name.rpartition("::")[2]
-        if hasattr(current, "__slots__"):
-            stack.extend(getattr(current, name) for name in current.__slots__)
 
 
 def _called(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression

@@ -10,8 +10,11 @@ def own_arguments(args: Sequence[str]) -> list[str]:
 
 def positional(args: Sequence[str], valued: str) -> list[str]:
     """Return the arguments that are no options; `valued` names those that take a value."""
-    return [argument for argument, is_option in _marked(own_arguments(args), valued.split())
-            if not is_option]
+    return [
+        argument
+        for argument, is_option in _marked(own_arguments(args), valued.split())
+        if not is_option
+    ]
 
 
 def option(args: Sequence[str], names: str) -> str | None:

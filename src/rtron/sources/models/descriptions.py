@@ -27,6 +27,7 @@ class PluginElement:
     values: Mapping[str, Any] = field(default_factory=dict)
     sensor_name: str = ""
     sensor_type: str = ""
+    cameras: tuple[str, ...] = ()
     link_name: str = ""
     model_name: str = ""
     robot_namespace: str = "/"
@@ -40,6 +41,7 @@ class PluginElement:
             "plugin_name": self.name,
             "sensor_name": self.sensor_name,
             "sensor_type": self.sensor_type,
+            "cameras": list(self.cameras),
             "link_name": self.link_name,
         }
 
@@ -84,5 +86,6 @@ class DescriptionForm(BaseModel):
         """Yield each file's (package, path) with what it brings."""
         for file in self.files:
             plugins = tuple(PluginElement(**p.model_dump(exclude={"line"})) for p in file.plugins)
-            evidence = (Evidence(file=f"{self.source}/{file.path}"),)
+            place = f"{self.source}/{file.path}"
+            evidence = tuple(Evidence(file=place, line=p.line) for p in file.plugins)
             yield (self.package, file.path), Description(plugins=plugins, evidence=evidence)

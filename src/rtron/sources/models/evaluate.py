@@ -8,10 +8,10 @@ from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterfac
 from rtron.sources.launch.unresolvable import UnresolvableError
 from rtron.sources.models.descriptions import PluginElement
 from rtron.sources.models.expressions import Expressions
-from rtron.sources.models.form import Declare, Model
+from rtron.sources.models.form import ANY_TYPE, Declare, Model
 from rtron.sources.models.models import Models, load_models
 from rtron.sources.models.scope import Scope, scope_at
-from rtron.sources.models.values import Hole, Value, has_hole, truth
+from rtron.sources.models.values import Hole, Value, has_hole, hole, truth
 from rtron.vocabulary import Evidence, Resolution, Unresolved
 
 MAX_DEPTH = 8
@@ -90,23 +90,29 @@ class _Walk:
     def model(self, model: Model, scope: Scope, use: _Use) -> Iterator[Declaration]:
         use = replace(use, model=model, implicit=use.implicit or model.implicit)
         for name, text in model.let.items():
-            try:
-                scope = scope.having({name: Expressions(scope).value(text)})
-            except _UNKNOWN as error:
-                self._unresolved(name, str(error), _evidence(model))
-                scope = scope.having({name: Hole("{" + name + "}")})
+            scope = scope.having({name: self._variable(name, text, scope, model)})
         yield from self._entries(model.declares, scope, use)
+
+    def _variable(self, name: str, text: str, scope: Scope, model: Model) -> Value:
+        try:
+            return Expressions(scope).value(text)
+        except _UNKNOWN as error:
+            self._unresolved(name, str(error), _evidence(model))
+            return hole(name)
 
     def _entries(
         self, entries: Sequence[Declare], scope: Scope, use: _Use
     ) -> Iterator[Declaration]:
         for entry in entries:
-            try:
-                for inner in self._repeated(entry, scope):
-                    yield from self._conditional(entry, inner, use)
-            except _UNKNOWN as error:
-                what = entry.name or entry.uses or entry.condition or "an entry"
-                self._unresolved(what, str(error), _evidence_of(entry, use))
+            yield from self._entry(entry, scope, use)
+
+    def _entry(self, entry: Declare, scope: Scope, use: _Use) -> Iterator[Declaration]:
+        try:
+            for inner in self._repeated(entry, scope):
+                yield from self._conditional(entry, inner, use)
+        except _UNKNOWN as error:
+            what = entry.name or entry.uses or entry.condition or "an entry"
+            self._unresolved(what, str(error), _evidence_of(entry, use))
 
     def _repeated(self, entry: Declare, scope: Scope) -> Iterator[Scope]:
         if entry.loop is None:
@@ -145,9 +151,7 @@ class _Walk:
         else:
             yield from self._entries(entry.declares or (), scope, use)
 
-    def _used(
-        self, entry: Declare, written: str, scope: Scope, use: _Use
-    ) -> Iterator[Declaration]:
+    def _used(self, entry: Declare, written: str, scope: Scope, use: _Use) -> Iterator[Declaration]:
         expressions = Expressions(scope)
         name = expressions.text(written)
         model = self.models.named(name)
@@ -198,7 +202,7 @@ def _declaration(entry: Declare, kind: DeclarationKind, scope: Scope, use: _Use)
     return Declaration(
         kind=kind,
         name=name,
-        type=expressions.text(entry.type),
+        type="" if entry.type == ANY_TYPE else expressions.text(entry.type),
         implicit=entry.implicit or use.implicit,
         latched=entry.latched,
         resolution=Resolution.SYMBOLIC if symbolic else Resolution.MODEL,

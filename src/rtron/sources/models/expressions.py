@@ -28,8 +28,7 @@ class Expressions:
     def value(self, text: str) -> Value:
         """Return an expression's value; raise ValueError or UnresolvableError if it has none."""
         kept: list[Value] = []
-        watched = {**self._functions, "keep": lambda value: kept.append(value) or ""}
-        evaluate(f"keep({text})", watched, self._variable)
+        evaluate(f"keep({text})", {**self._functions, "keep": kept.append}, self._variable)
         return kept[0]
 
     def text(self, template: str) -> str:

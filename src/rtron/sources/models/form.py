@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from rtron.sources.declaration import DeclarationKind
+from rtron.vocabulary import Word
 
 VERBS = (*(kind.value for kind in DeclarationKind), "uses", "unresolved", "declares")
 KINDS = (
@@ -21,8 +22,18 @@ KINDS = (
     "plugin",
     "part",
 )
+ANY_TYPE = "any"
 _SOURCE = re.compile(r"github\.com/[\w.-]+/[\w.-]+@[\w./-]+( [\w./-]+)?")
 _AT = re.compile(r"[\w./+-]+(:[0-9]+)?")
+
+
+class NodeRole(Word):
+    """What a node type does that shows at other nodes."""
+
+    NODELET = "nodelet"
+    GAZEBO = "gazebo"
+    MODEL_SPAWNER = "model_spawner"
+    CONTROLLER_SPAWNER = "controller_spawner"
 
 
 def _listed(value: object) -> object:
@@ -85,7 +96,11 @@ class Declare(BaseModel):
 
 
 class Model(BaseModel):
-    """What one node type, plugin or part declares; `source` is the public file it was read in."""
+    """What one node type, plugin or part declares; `source` is the public file it was read in.
+
+    `over_source` says that the model counts even where the node's source is there, since plugins
+    or files decide at run time what it declares. `role` is what the node does to others.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -98,6 +113,8 @@ class Model(BaseModel):
     part: Names = ()
     source: str
     implicit: bool = False
+    over_source: bool = False
+    role: NodeRole | None = None
     needs: Names = ()
     let: dict[str, Text] = {}
     declares: tuple[Declare, ...] = ()

@@ -5,6 +5,7 @@ docs/models.md lists them; a function answers with a Hole where the answer is no
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import takewhile
 
 from rtron.sources.models import arguments
 from rtron.sources.models.rviz import rviz_publications, rviz_subscriptions
@@ -15,6 +16,7 @@ from rtron.sources.models.yaml_file import yaml_file
 Function = Callable[..., Value]
 
 LATEST = "noetic"
+MAX_COUNTED = 100
 
 
 def functions(scope: Scope) -> dict[str, Function]:
@@ -24,6 +26,7 @@ def functions(scope: Scope) -> dict[str, Function]:
         **_PURE,
         "param": partial(_param, scope),
         "search": partial(_search, scope),
+        "counted": partial(_counted, scope),
         "value": partial(_value, scope),
         "since": partial(_since, scope),
         "model": partial(_model, scope),
@@ -41,6 +44,12 @@ def functions(scope: Scope) -> dict[str, Function]:
 def _param(scope: Scope, name: str, default: Value = None) -> Value:
     found = scope.site.parameters.get(scope.resolve(name))
     return default if found is None else known(found.value, name)
+
+
+def _counted(scope: Scope, name: str) -> list[Value]:
+    """Return the values of `name0`, `name1`, … up to the first that is not set."""
+    values = (_param(scope, f"{name}{number}") for number in range(MAX_COUNTED))
+    return list(takewhile(lambda value: value is not None, values))
 
 
 def _search(scope: Scope, name: str, default: Value = None) -> Value:

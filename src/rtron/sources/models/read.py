@@ -1,6 +1,5 @@
 """A model's YAML file, read safely and checked; every fault names the file and the line."""
 
-from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
@@ -62,7 +61,7 @@ def _refuse_unsafe(data: bytes, path: Path) -> None:
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if isinstance(event, yaml.AliasEvent) or depth > MAX_DEPTH:
-            line = event.start_mark.line + 1
+            line = event.start_mark.line + 1 if event.start_mark else 0
             raise InputError("aliases and deep nesting are refused", path=str(path), line=line)
 
 
@@ -95,7 +94,7 @@ def _step(node: yaml.Node, part: object) -> tuple[int, yaml.Node] | None:
 
 
 def _help(place: list[Any], form: type[BaseModel]) -> str:
-    known: Mapping[str, Any] = form.model_json_schema()
+    known = form.model_json_schema()
     keys = [*known.get("properties", {})]
     for definition in known.get("$defs", {}).values():
         keys += definition.get("properties", {})

@@ -16,7 +16,8 @@ _IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
 _OPEN = re.compile(r"\s*\(")
 _BODY = re.compile(rf"{RAW_STRING}|{STRING}|{CHARACTER}|(?P<paste>\s*##\s*)|#\s*(?P<str>\w+)|\w+")
 _MAX_EXPANDED = 2_000_000
-_MAX_ARGUMENTS = 20_000
+_MAX_ARGUMENTS = 5_000
+_COST_OF_NO_CALL = 1_000
 _MAX_DEPTH = 40
 
 
@@ -74,6 +75,7 @@ class Macros:
         if macro.params is not None:
             call = called(code, end)
             if call is None:
+                self._left -= _COST_OF_NO_CALL
                 return None
             args, after = call
             expanded = [self._bounded(arg, hidden - {name}) for arg in args]

@@ -15,7 +15,7 @@ _EXPORTED = re.compile(
 )
 _DECLARED = re.compile(rf"\b(class)(\s+){_CAPITALS}(?=\s+[A-Za-z_]\w*\s*;)")
 _BEFORE_TYPE = re.compile(
-    rf"^([ \t]*(?:static\s|inline\s|virtual\s|extern\s)?\s*){_CAPITALS}"
+    rf"^([ \t]*(?:(?:static|inline|virtual|extern)\s[ \t]*)?){_CAPITALS}"
     rf"(?=\s+(?:(?:{_BUILT_IN})\b|~))",
     re.MULTILINE,
 )
@@ -25,6 +25,7 @@ _NAMED_EXPORT = re.compile(
 _BEHIND_PARAMETERS = re.compile(rf"(\)(?:\s*const\b)?\s*){_CAPITALS}(?=\s*[;{{])")
 _INSTANTIATED = re.compile(r"\btemplate\s+(?:class|struct)\s[^;{}]*;")
 _STATEMENT = re.compile(rf"^[ \t]*{_CAPITALS}(?=[ \t]*\()", re.MULTILINE)
+_MAX_UNCLOSED = 100
 _BEFORE = re.compile(r"(?:\A|[;{}):])\s*\Z")
 _BEHIND = re.compile(r"[ \t]*\n\s*(?:[\w~}]|\Z)")
 _LAUNCH = re.compile(r"<<[ ]?<(?!<)[^<>;{}]*>>[ ]?>(?=\s*\()")
@@ -53,10 +54,14 @@ def mended(code: str, *, is_c: bool = False) -> str:
 
 def _ended(code: str) -> str:
     """Return the code with a semicolon behind each macro call that stands as a statement."""
-    out, copied = [], 0
+    out: list[str] = []
+    copied = unclosed = 0
     for found in _STATEMENT.finditer(code):
         start = found.start()
-        call = called(code, found.end()) if start >= copied else None
+        if start < copied or unclosed > _MAX_UNCLOSED:
+            continue
+        call = called(code, found.end())
+        unclosed += call is None
         if (
             call
             and _BEHIND.match(code, call[1])

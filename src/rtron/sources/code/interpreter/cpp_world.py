@@ -196,6 +196,8 @@ class CppWorld:
     def class_of(self, type: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
         """Return the class that a type means, scanned or native."""
         resolved = self.resolved(type, frame)
+        if "::" in resolved.name and resolved.name in self.native_classes:
+            return self.native_classes[resolved.name]
         definition = self.symbols.class_named(resolved.name, frame.scope)
         if definition is not None:
             return self._class(definition)
@@ -259,18 +261,20 @@ class CppWorld:
     def _lines(self, owner: Instance) -> set[str]:
         return {cls.name for cls in self.lineage(owner.type) if isinstance(cls, ClassValue)}
 
-    def default(self, type: TypeRef | None, frame: Frame, *, pointer: bool = False) -> Value:
+    def default(
+        self, type: TypeRef | None, frame: Frame, *, pointer: bool = False, line: int = 0
+    ) -> Value:
         """Return what a variable without an initialiser holds."""
         if type is None or pointer:
             return NONE if pointer else Hole("?")
         found = self.class_of(type, frame)
         if found is None:
             return Hole(type.name.rpartition("::")[2], type=self.resolved(type, frame))
-        return self.make(type, Arguments(frame=frame))
+        return self.make(type, Arguments(line=line, frame=frame))
 
     def _of_instance(self, owner: Instance, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         if name in owner.fields:
-            return owner.fields[name]
+            return self.machine.seen(name, owner.fields[name])
         if isinstance(owner.type, NativeClass):
             call = owner.type.methods.get(name)
             return Native(name, call, owner, types) if call else None
@@ -302,6 +306,8 @@ class CppWorld:
         bound_type = frame.types.get(name.id)
         if bound_type is not None:
             return self._type_value(bound_type, frame) or Hole(name.id)
+        if "::" in name.id and name.id in self.functions:
+            return self._native(name.id, name)
         for candidate in self.symbols.candidates(name.id, frame.scope):
             found = self._global(candidate, name)
             if found is not None:
@@ -312,7 +318,7 @@ class CppWorld:
 
     def _global(self, name: str, node: Name) -> Value | None:
         if name in self._globals:
-            return self._globals[name]
+            return self.machine.seen(name.rpartition("::")[2], self._globals[name])
         if name in self.symbols.variables:
             return self._initialised(name)
         if name in self.symbols.enums:
@@ -321,10 +327,11 @@ class CppWorld:
         functions = self._overloads(name)
         if functions:
             return FunctionValue(functions[0], given=(), types=node.types, overloads=functions)
-        if name in self.functions:
-            native = self.functions[name]
-            return Native(native.name, native.call, native.owner, node.types)
-        return None
+        return self._native(name, node) if name in self.functions else None
+
+    def _native(self, name: str, node: Name) -> Native:
+        native = self.functions[name]
+        return Native(native.name, native.call, native.owner, node.types)
 
     def _type_value(self, type: TypeRef, frame: Frame) -> Value | None:
         """Return a native function that makes an object of a type: `Foo(x)`."""
@@ -346,7 +353,7 @@ class CppWorld:
 
     def _initial(self, node: Declare, frame: Frame) -> Value:
         if node.value is None:
-            return self.default(node.type, frame, pointer=node.pointer)
+            return self.default(node.type, frame, pointer=node.pointer, line=node.line)
         value = self.machine.evaluate(node.value, frame)
         if isinstance(node.value, Name):
             value = item_at(value)
@@ -401,7 +408,8 @@ class CppWorld:
     def _base_part(
         self, made: Instance, base: Value, given: tuple[object, ...], frame: Frame
     ) -> None:
-        node = New(TypeRef("base"), given)  # type: ignore[arg-type]
+        line = frame.function.line if frame.function else 0
+        node = New(TypeRef("base"), given, line)  # type: ignore[arg-type]
         arguments = self._arguments(node, frame)
         if isinstance(base, ClassValue):
             self._construct(made, base, arguments)
@@ -415,7 +423,8 @@ class CppWorld:
         if member.name not in initialisers:
             return self._initial(member, frame)
         given = initialisers[member.name]
-        node = New(member.type or TypeRef("auto"), given)  # type: ignore[arg-type]
+        line = frame.function.line if frame.function else member.line
+        node = New(member.type or TypeRef("auto"), given, line)  # type: ignore[arg-type]
         if member.pointer or member.reference or member.type is None:
             values = self._arguments(node, frame).values
             return values[0] if values else NONE

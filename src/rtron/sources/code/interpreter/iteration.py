@@ -9,7 +9,8 @@ from rtron.sources.code.interpreter.machine import Machine, Outcome
 from rtron.sources.code.interpreter.values import Hole, Instance, Known, Text, Value, truth
 from rtron.sources.code.ir import Expr, ForEach, Name, While
 
-MAX_ROUNDS = 128
+MAX_ROUNDS = (128, 32, 8, 2)
+"""How often a loop is unrolled: an outermost one, one within it, and so on."""
 MAX_DISCOVERIES = 2
 
 _LEAVES = {"return", "raise"}
@@ -18,16 +19,22 @@ _LEAVES = {"return", "raise"}
 def for_each(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
     """Run `for target in iterable`."""
     items, certain = items_of(machine.evaluate(node.iterable, frame), named(node.target))
-    for item in items[:MAX_ROUNDS]:
-        assign(machine, node.target, item, frame)
-        outcome = machine.execute(node.body, frame)
-        if outcome == "break":
-            return None
-        if outcome in _LEAVES:
-            return outcome
-    if not certain:
-        in_doubt(machine, frame, lambda: _round(machine, node, frame))
+    with machine.looping() as depth:
+        most = _rounds(depth)
+        for item in items[:most]:
+            assign(machine, node.target, item, frame)
+            outcome = machine.execute(node.body, frame)
+            if outcome == "break":
+                return None
+            if outcome in _LEAVES:
+                return outcome
+        if not certain or len(items) > most:
+            in_doubt(machine, frame, lambda: _round(machine, node, frame))
     return None
+
+
+def _rounds(depth: int) -> int:
+    return MAX_ROUNDS[min(depth, len(MAX_ROUNDS)) - 1]
 
 
 def named(target: Expr) -> str:
@@ -47,7 +54,12 @@ def while_(machine: Machine, node: While, frame: Frame) -> Outcome:
         outcome = machine.execute(node.body, frame)
         if outcome not in {None, "continue"}:
             return outcome if outcome in _LEAVES else None
-    for _ in range(MAX_ROUNDS):
+    with machine.looping() as depth:
+        return _turns(machine, node, frame, _rounds(depth))
+
+
+def _turns(machine: Machine, node: While, frame: Frame, most: int) -> Outcome:
+    for _ in range(most):
         decided = truth(machine.evaluate(node.test, frame))
         if decided is None:
             break

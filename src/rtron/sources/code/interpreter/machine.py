@@ -15,7 +15,7 @@ from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.overloads import choose
 from rtron.sources.code.interpreter.recorder import Recorder
 from rtron.sources.code.interpreter.trail import Trail
-from rtron.sources.code.interpreter.values import FunctionValue, Hole, ListValue, Value, join
+from rtron.sources.code.interpreter.values import FunctionValue, Hole, Known, ListValue, Value, join
 from rtron.sources.code.interpreter.world import World
 from rtron.sources.code.ir import Expr, Function, Stmt
 
@@ -49,12 +49,15 @@ class Machine:
     executors: dict[type, Callable[["Machine", "Stmt", Frame], Outcome]]
     trail: Trail = field(default_factory=Trail)
     pending: list[FunctionValue] = field(default_factory=list)
+    escaped: list[Function] = field(default_factory=list)
     instances: list[Value] = field(default_factory=list)
+    volatile: frozenset[str] = frozenset()
     parameters: dict[str, Value] = field(default_factory=dict)
     ran: set[tuple[str, int, str]] = field(default_factory=set)
     catching: int = 0
     discovering: int = 0
     _steps: int = 0
+    _loops: int = 0
     _stack: list[Function] = field(default_factory=list)
 
     def evaluate(self, node: Expr, frame: Frame) -> Value:
@@ -95,10 +98,35 @@ class Machine:
         finally:
             self._stack.pop()
 
+    def seen(self, name: str, value: Value) -> Value:
+        """Return what a member or global holds; one that callbacks change may hold anything."""
+        if name in self.volatile and isinstance(value, Known):
+            return join((value, Hole(name)))
+        return value
+
     def escape(self, value: Value | None) -> None:
         """Remember a function that somebody else will call."""
         if isinstance(value, FunctionValue) and all(value is not other for other in self.pending):
             self.pending.append(value)
+            self.escaped.append(value.function)
+
+    @contextmanager
+    def looping(self) -> Iterator[int]:
+        """Run a loop; what is given is how many are around its body."""
+        self._loops += 1
+        try:
+            yield self._loops
+        finally:
+            self._loops -= 1
+
+    @contextmanager
+    def budget(self, steps: int) -> Iterator[None]:
+        """Run something that may take so many steps."""
+        before, self._steps = self._steps, MAX_STEPS - steps
+        try:
+            yield
+        finally:
+            self._steps = before
 
     @contextmanager
     def unheard(self) -> Iterator[None]:

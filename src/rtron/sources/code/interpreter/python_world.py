@@ -80,7 +80,7 @@ class PythonWorld:
         while around is not None:
             if name.id in around.variables:
                 found: Value = around.variables[name.id]
-                return found
+                return self.machine.seen(name.id, found) if around.closure is None else found
             root, around = around, around.closure
         if name.id in self.builtins:
             return self.builtins[name.id]
@@ -198,7 +198,7 @@ class PythonWorld:
 
     def _of_instance(self, owner: Instance, name: str) -> Value | None:
         if name in owner.fields:
-            return owner.fields[name]
+            return self.machine.seen(name, owner.fields[name])
         if isinstance(owner.type, NativeClass):
             call = owner.type.methods.get(name)
             return Native(name, call, owner) if call else None
@@ -270,13 +270,12 @@ class PythonWorld:
             if f"{module}.{name}" in self.natives:
                 return self.natives[f"{module}.{name}"]
         packages = [module for module in modules if is_message_package(module)]
-        if not name[:1].isupper() or not packages:
-            return None
         for module in packages:
             if self.files.has_message(module.split(".", maxsplit=1)[0], name):
                 return message_type(f"{module}.{name}")
         unknown = [m for m in packages if self.files.has_message(m.split(".", maxsplit=1)[0], name) is None]
-        return message_type(f"{unknown[0]}.{name}") if len(unknown) == 1 else None
+        sure = len(unknown) == 1 and name[:1].isupper()
+        return message_type(f"{unknown[0]}.{name}") if sure else None
 
     def _note(self, unit: Unit, path: Path) -> None:
         for problem in unit.problems:

@@ -8,6 +8,12 @@ from rtron.sources.code.interpreter.files import Files
 from rtron.sources.code.ir import Class, Declare, Function, TypeRef, Unit
 
 MAX_FILES = 600
+NATIVE_FOLDERS = frozenset(
+    "ros actionlib bondcpp diagnostic_updater dynamic_reconfigure image_transport "
+    "interactive_markers message_filters nodelet nodelet_topic_tools pluginlib realtime_tools tf "
+    "tf2_ros camera_info_manager".split()
+)
+"""Headers of libraries that `natives` stand for: their own source is not run."""
 _MAX_ALIASES = 12
 
 
@@ -34,6 +40,8 @@ class Symbols:
         unit = self.files.unit(path)
         self.units[path] = unit
         for include in unit.includes:
+            if include.strip('<>"').partition("/")[0] in NATIVE_FOLDERS:
+                continue
             header = self.files.header(include, path)
             if header is not None:
                 self.load(header)

@@ -13,6 +13,7 @@ _POINTERS = {
     "MessageEvent",
     "message_filters::MessageEvent",
 }
+_NO_PACKAGES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
 _SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr")
 
 
@@ -24,7 +25,7 @@ def is_message_package(dotted: str) -> bool:
 def message_type(dotted: str) -> MessageType | None:
     """Return the type that `std_msgs.msg.String` means; None for any other name."""
     parts = dotted.split(".")
-    if len(parts) >= 3 and parts[1] in _KINDS and parts[2][:1].isupper():  # noqa: PLR2004
+    if len(parts) == 3 and parts[1] in _KINDS and parts[2][:1].isalpha():  # noqa: PLR2004
         return MessageType(f"{parts[0]}/{parts[2]}")
     return None
 
@@ -41,7 +42,7 @@ def cpp_message(type: TypeRef | None) -> str:
     parts = [part for part in type.name.split("::") if part]
     if len(parts) > 2 and parts[-1] in _SUFFIXES:  # noqa: PLR2004
         parts.pop()
-    if len(parts) != 2 or not parts[1][:1].isupper():  # noqa: PLR2004
+    if len(parts) != 2 or parts[0] in _NO_PACKAGES:  # noqa: PLR2004
         return ""
     return f"{parts[0]}/{_without_suffix(parts[1])}"
 

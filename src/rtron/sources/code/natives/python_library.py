@@ -147,16 +147,12 @@ def _launch_load(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 
 def _resolve_launch(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`resolve_launch_arguments([package, file])` returns a list of one path."""
+    """`resolve_launch_arguments([package, file])` returns a list of one path; here `package/file`."""
     words, _certain = items_of(arguments.get(0) or NONE)
     texts = _known(words)
     if texts is None:
         return listed((Hole("launch file"),))
-    if len(texts) == 1:
-        return listed((Known(texts[0]),))
-    path = machine.world.files.package_path(texts[0])
-    found = sorted(path.rglob(texts[1])) if path is not None and len(texts) > 1 else []
-    return listed((Known(str(found[0])) if found else Hole(" ".join(texts)),))
+    return listed((Known("/".join(texts[:2])),))
 
 
 def _launch_node(machine: Machine, _: object, arguments: Arguments) -> Value:

@@ -1,0 +1,131 @@
+"""What a shell script starts: `rosrun`, `roslaunch` and `rostopic pub` lines, read and never run.
+
+Words with variables, globs or substitutions are not known (ROS wiki: rosbash).
+"""
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.bounded import read_bounded
+from rtron.sources.declaration import (
+    Declaration,
+    DeclarationKind,
+    NodeInterface,
+    StartedLaunch,
+)
+from rtron.vocabulary import Evidence, Unresolved
+from rtron.vocabulary.launch import resolve_name
+
+MAX_BYTES = 4 * 1024 * 1024
+
+_TOOLS = ("rosrun", "roslaunch", "rostopic")
+_MENTIONED = re.compile(r"\b(rosrun|roslaunch|rostopic)\b")
+_SEPARATORS = frozenset({";", "&", "&&", "|", "||", "(", ")", "{", "}", "|&"})
+_UNKNOWN = re.compile(r"[$`*?]")
+_BEFORE = frozenset({"env", "exec", "nohup", "sudo", "time", "then", "do", "else", "if", "!", "-e"})
+_VALUED = frozenset({"-r", "--rate", "-p", "--port", "-w", "-c", "--num-workers", "-t", "--timeout"})
+
+
+def read_shell(path: Path) -> NodeInterface:
+    """Return what a script starts and publishes."""
+    try:
+        text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace")
+    except InputError as error:
+        fault = Unresolved(what=path.name, why=str(error), evidence=(Evidence(file=str(path)),))
+        return NodeInterface(unresolved=(fault,))
+    found = [one for line, words in _commands(text) for one in _read(words, str(path), line)]
+    return NodeInterface(
+        declarations=tuple(one for one in found if isinstance(one, Declaration)),
+        starts=tuple(one for one in found if isinstance(one, StartedLaunch)),
+        unresolved=tuple(one for one in found if isinstance(one, Unresolved)),
+    )
+
+
+def _commands(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield each simple command that names one of the tools first, with its line."""
+    for number, line in _lines(text):
+        if not _MENTIONED.search(line):
+            continue
+        command: list[str] = []
+        for word in (*_words(line), ";"):
+            if word not in _SEPARATORS:
+                command.append(word)
+                continue
+            tool = _from_tool(command)
+            if tool:
+                yield number, tool
+            command = []
+
+
+def _lines(text: str) -> Iterator[tuple[int, str]]:
+    joined, first = "", 0
+    for number, line in enumerate(text.splitlines(), start=1):
+        first = first or number
+        if line.endswith("\\"):
+            joined += line[:-1] + " "
+            continue
+        yield first, joined + line
+        joined, first = "", 0
+    if joined:
+        yield first, joined
+
+
+def _words(line: str) -> list[str]:
+    lexer = shlex.shlex(line, posix=True, punctuation_chars="();<>|&")
+    lexer.whitespace_split = True
+    try:
+        return list(lexer)
+    except ValueError:
+        return line.split()
+
+
+def _from_tool(command: list[str]) -> list[str]:
+    words = list(command)
+    while words and (words[0] in _BEFORE or re.fullmatch(r"\w+=.*", words[0], re.DOTALL)):
+        words.pop(0)
+    return words if words and words[0].rpartition("/")[2] in _TOOLS else []
+
+
+def _read(
+    words: list[str], file: str, line: int
+) -> Iterator[Declaration | StartedLaunch | Unresolved]:
+    tool, place = words[0].rpartition("/")[2], Evidence(file=file, line=line)
+    rest = _positional(words[1:])
+    if tool == "rostopic" and (rest[:1] != ["pub"] or len(rest) < len(["pub", "TOPIC", "TYPE"])):
+        return
+    named = rest[1:3] if tool == "rostopic" else rest[:2]
+    if not named or any(_UNKNOWN.search(word) for word in named):
+        what = " ".join([tool, *rest[:3]])
+        yield Unresolved(what=what, why="its words are not known", evidence=(place,))
+    elif tool == "rostopic":
+        name = resolve_name(named[0], "/rostopic")
+        kind = DeclarationKind.PUBLISH
+        yield Declaration(kind=kind, name=name, type=named[1], evidence=(place,))
+    elif tool == "rosrun" and len(rest) > 1:
+        arguments = ("rosrun", *rest[2:])
+        yield StartedLaunch(path="/".join(named), args=arguments, evidence=(place,))
+    elif tool == "roslaunch":
+        yield _launch(rest, place)
+
+
+def _launch(rest: list[str], place: Evidence) -> StartedLaunch:
+    by_path = len(rest) == 1 or ":=" in rest[1] or "/" in rest[0]
+    path, args = (rest[0], rest[1:]) if by_path else ("/".join(rest[:2]), rest[2:])
+    return StartedLaunch(path=path, args=tuple(args), evidence=(place,))
+
+
+def _positional(words: list[str]) -> list[str]:
+    kept, skipped = [], False
+    for word in words:
+        if skipped:
+            skipped = False
+        elif word in {">", ">>", "<"}:
+            break
+        elif word.startswith("-") and ":=" not in word:
+            skipped = word in _VALUED
+        else:
+            kept.append(word)
+    return kept

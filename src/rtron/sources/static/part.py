@@ -1,0 +1,94 @@
+"""Where a node's interface is to be found: in its source, in a model, or nowhere.
+
+A nodelet's loader has two parts: its own process, and the nodelet in its manager's process.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from rtron.sources.declaration import NodeInterface
+from rtron.sources.models import Model, Models
+from rtron.sources.models.arguments import positional
+from rtron.sources.models.form import NodeRole
+from rtron.sources.static.node import AppNode
+from rtron.sources.static.task import Task, TaskKind
+from rtron.sources.workspace import Language, Program, Workspace
+from rtron.vocabulary import Unresolved
+from rtron.vocabulary.launch import resolve_name
+
+_KINDS = {
+    Language.CPP: TaskKind.CPP,
+    Language.PYTHON: TaskKind.PYTHON,
+    Language.SHELL: TaskKind.SHELL,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """Something of `node` that runs in the process of the node `owner`.
+
+    `model` or `task` tells what it declares; `interface` is there once that is known.
+    """
+
+    node: AppNode
+    owner: str
+    model: Model | None = None
+    task: Task | None = None
+    interface: NodeInterface = NodeInterface()
+
+    def missing(self, what: str, why: str) -> "Part":
+        """Return the part with a note instead of an interface."""
+        note = Unresolved(what=what, why=why, evidence=(self.node.evidence,))
+        return replace(self, interface=NodeInterface(unresolved=(note,)))
+
+
+def parts_of(node: AppNode, workspace: Workspace, models: Models) -> Iterator[Part]:
+    """Yield what a node runs: source where it is there, unless the model goes before it."""
+    model = models.node(node.package, node.type)
+    own = Part(node=node, owner=node.name)
+    if model is not None and model.role is NodeRole.NODELET:
+        yield from _nodelet_parts(replace(own, model=model), workspace, models)
+        return
+    program = None
+    if model is None or not model.over_source:
+        program = workspace.executable(node.package, node.type)
+    yield _chosen(own, program, model)
+
+
+def _chosen(own: Part, program: Program | None, model: Model | None) -> Part:
+    if program is not None and program.language in _KINDS and program.sources:
+        kind = _KINDS[program.language]
+        return replace(own, task=Task(kind=kind, sources=program.sources, site=own.node.site))
+    if model is not None:
+        return replace(own, model=model)
+    what = f"node {own.node.name} ({own.node.package}/{own.node.type})"
+    return own.missing(what, "no source of it is here, and no model")
+
+
+def _nodelet_parts(loader: Part, workspace: Workspace, models: Models) -> Iterator[Part]:
+    node = loader.node
+    match positional(node.site.args, ""):
+        case ["load", name, manager, *_]:
+            yield loader
+            owner = resolve_name(manager, node.name)
+            yield _nodelet(replace(loader, owner=owner, model=None), name, workspace, models)
+        case ["standalone", name, *_]:
+            yield _nodelet(replace(loader, model=None), name, workspace, models)
+        case _:
+            yield loader
+
+
+def _nodelet(part: Part, name: str, workspace: Workspace, models: Models) -> Part:
+    model = models.nodelet(name)
+    plugin = None if model and model.over_source else workspace.nodelet(name)
+    if plugin is not None and plugin.program is not None and plugin.program.sources:
+        task = Task(
+            kind=TaskKind.NODELET,
+            sources=plugin.program.sources,
+            cls=plugin.declared.type,
+            site=part.node.site,
+        )
+        return replace(part, task=task)
+    if model is not None:
+        return replace(part, model=model)
+    return part.missing(f"nodelet {name}", "no source of it is here, and no model")

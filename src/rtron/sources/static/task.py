@@ -1,0 +1,99 @@
+"""One program to be interpreted as one node; a task travels to a worker process and back."""
+
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+
+from rtron.sources.code.interpreter.files import Files, Plugin
+from rtron.sources.code.ir import Unit
+from rtron.sources.code.program import run_cpp, run_nodelet, run_python
+from rtron.sources.code.shell import read_shell
+from rtron.sources.declaration import NodeInterface, NodeSite
+from rtron.vocabulary import Word
+
+
+class TaskKind(Word):
+    """How a program is run."""
+
+    CPP = "cpp"
+    PYTHON = "python"
+    SHELL = "sh"
+    NODELET = "nodelet"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """A program's sources and the node it runs as; `cls` is a nodelet's class."""
+
+    kind: TaskKind
+    sources: tuple[Path, ...]
+    cls: str = ""
+    site: NodeSite
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TaskResult:
+    """What a node declares, and each file that was read for it with its content's hash."""
+
+    interface: NodeInterface
+    files: tuple[tuple[str, str], ...] = ()
+
+
+def run_task(task: Task, files: Files) -> TaskResult:
+    """Return what a task's program declares."""
+    watched = WatchedFiles(files)
+    interface = _run(task, watched)
+    read = dict.fromkeys((*task.sources, *watched.read))
+    hashes = tuple((str(path), content_hash(path)) for path in read)
+    return TaskResult(interface=interface, files=hashes)
+
+
+def content_hash(path: Path) -> str:
+    """Return the hash of a file's content; empty for one that cannot be read."""
+    try:
+        return sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+def _run(task: Task, files: Files) -> NodeInterface:
+    if task.kind is TaskKind.SHELL:
+        return read_shell(task.sources[0])
+    if task.kind is TaskKind.PYTHON:
+        return run_python(task.sources[0], task.site, files)
+    if task.kind is TaskKind.NODELET:
+        return run_nodelet(task.sources, task.cls, task.site, files)
+    return run_cpp(task.sources, task.site, files)
+
+
+@dataclass(slots=True)
+class WatchedFiles:
+    """The files around a program, noting which of them are read."""
+
+    files: Files
+    read: dict[Path, None] = field(default_factory=dict)
+
+    def unit(self, path: Path) -> Unit:
+        """Return a file, lowered."""
+        self.read[path] = None
+        return self.files.unit(path)
+
+    def header(self, include: str, includer: Path) -> Path | None:
+        """Return the file that `#include` means."""
+        return self.files.header(include, includer)
+
+    def python_module(self, dotted: str, importer: Path) -> Path | None:
+        """Return the file of a Python module."""
+        return self.files.python_module(dotted, importer)
+
+    def has_message(self, package: str, name: str) -> bool | None:
+        """Tell whether a package defines a message type."""
+        return self.files.has_message(package, name)
+
+    def package_path(self, package: str) -> Path | None:
+        """Return where a package lies."""
+        return self.files.package_path(package)
+
+    def plugin(self, name: str, base: str) -> Plugin | None:
+        """Return the class that pluginlib knows by a name or type."""
+        return self.files.plugin(name, base)

@@ -1,0 +1,64 @@
+"""A process that interprets programs, one after the other; it keeps what it has read."""
+
+import signal
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.declaration import NodeInterface
+from rtron.sources.static.task import Task, TaskResult, run_task
+from rtron.sources.workspace import Workspace
+from rtron.vocabulary import Evidence, Unresolved
+
+RECURSION_LIMIT = 20_000
+
+_FILES: dict[str, WorkspaceFiles] = {}
+
+
+class _TimeUpError(BaseException):
+    """Raised in the middle of whatever runs too long; nothing but the worker catches it."""
+
+
+def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> None:
+    """Make this process ready to work on a workspace."""
+    sys.setrecursionlimit(RECURSION_LIMIT)
+    signal.signal(signal.SIGALRM, _time_up)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _FILES["workspace"] = WorkspaceFiles(Workspace(packages, folders))
+
+
+def work(task: Task, seconds: float) -> TaskResult:
+    """Return what a task's program declares, or a note that it took too long or failed."""
+    try:
+        with _limited(seconds):
+            return run_task(task, _FILES["workspace"])
+    except _TimeUpError:
+        return failed(task, f"not done within {seconds:g} s")
+    except RecursionError:
+        return failed(task, "nested too deep")
+    except MemoryError:
+        return failed(task, "too large")
+    except Exception as error:  # noqa: BLE001 - a fault of ours must not end the scan
+        return failed(task, f"RTron failed at it: {type(error).__name__}: {error}")
+
+
+def failed(task: Task, why: str) -> TaskResult:
+    """Return the result of a task that came to nothing."""
+    places = tuple(Evidence(file=str(source)) for source in task.sources[:1])
+    note = Unresolved(what=f"the program of {task.site.name}", why=why, evidence=places)
+    return TaskResult(interface=NodeInterface(unresolved=(note,)))
+
+
+@contextmanager
+def _limited(seconds: float) -> Iterator[None]:
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+def _time_up(signal: int, frame: object) -> None:
+    raise _TimeUpError
