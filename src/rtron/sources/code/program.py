@@ -10,7 +10,6 @@ from rtron.sources.code.interpreter.cpp_world import CppWorld
 from rtron.sources.code.interpreter.expressions import EVALUATORS
 from rtron.sources.code.interpreter.files import Files
 from rtron.sources.code.interpreter.frame import Frame
-from rtron.sources.code.interpreter.items import listed
 from rtron.sources.code.interpreter.machine import Machine, StepsExceededError, ThrownError
 from rtron.sources.code.interpreter.python_world import PythonWorld
 from rtron.sources.code.interpreter.recorder import Recorder
@@ -21,12 +20,14 @@ from rtron.sources.code.interpreter.values import (
     FunctionValue,
     Hole,
     Known,
+    ListValue,
+    Value,
 )
 from rtron.sources.code.interpreter.world import World
 from rtron.sources.code.natives.cpp_ros import CPP_ROS_CLASSES, CPP_ROS_FUNCTIONS
 from rtron.sources.code.natives.cpp_std import CPP_STD_CLASSES, CPP_STD_FUNCTIONS
 from rtron.sources.code.natives.python_builtins import BUILTINS
-from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, constants
+from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, command_line, constants
 from rtron.sources.code.natives.python_ros import PYTHON_ROS
 from rtron.sources.code.reachability import changed_at_any_time, run_pending
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -59,8 +60,8 @@ def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: Files) -> NodeInte
             place = Evidence(file=str(sources[0]) if sources else "")
             machine.recorder.unresolved("main", "the sources have no main function", place)
         for main in mains[:1]:
-            words = (site.name.rpartition("/")[2], *site.args)
-            values = (Known(len(words)), listed([Known(word) for word in words]))
+            words = command_line(site)
+            values = (_count(words), words)
             arguments = Arguments(values=values, line=main.line, frame=Frame(file=main.file))
             called = FunctionValue(main)
             _bounded(machine, Path(main.file), partial(machine.call, called, arguments))
@@ -85,6 +86,10 @@ def run_nodelet(
         return machine
 
     return _settled(run)
+
+
+def _count(words: ListValue) -> Value:
+    return Hole("argc") if words.open else Known(len(words.items))
 
 
 def _load(world: CppWorld, cls: ClassValue) -> None:

@@ -45,10 +45,6 @@ def _among_short(argument: str, wanted: Sequence[str]) -> bool:
 def _marked(args: Sequence[str], valued: Sequence[str]) -> Iterator[tuple[str, bool]]:
     takes_value = False
     for argument in args:
-        is_option = argument.startswith("-") and len(argument) > 1 and not _is_number(argument)
+        is_option = argument.startswith("-") and len(argument) > 1
         yield argument, is_option or takes_value
         takes_value = argument in valued and not takes_value
-
-
-def _is_number(argument: str) -> bool:
-    return argument[1:].replace(".", "", 1).isdigit()

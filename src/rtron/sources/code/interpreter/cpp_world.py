@@ -39,7 +39,7 @@ from rtron.sources.code.ir import (
     New,
     TypeRef,
 )
-from rtron.sources.code.natives.cpp_std import PLACEHOLDERS
+from rtron.sources.code.natives.cpp_std import PARAMETER_KIND, PLACEHOLDERS, kind_of
 from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
 from rtron.sources.code.natives.messages import cpp_message
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
@@ -99,6 +99,8 @@ class CppWorld:
             if target is not owner and not name.startswith("operator"):
                 return self.attribute(target, name, types)
             return self._of_instance(owner, name, types)
+        if name == "getType":
+            return Native(name, kind_of, owner)
         if isinstance(owner, (ListValue, MapValue)):
             walk = {"begin": begin, "end": end, "cbegin": begin, "cend": end}.get(name)
             if walk is not None:
@@ -314,6 +316,8 @@ class CppWorld:
                 return found
         if name.id in PLACEHOLDERS:
             return PLACEHOLDERS[name.id]
+        if name.id.startswith(PARAMETER_KIND):
+            return Known(name.id.removeprefix(PARAMETER_KIND))
         return self._type_value(TypeRef(name.id, name.types), frame) or Foreign(name.id)
 
     def _global(self, name: str, node: Name) -> Value | None:

@@ -19,8 +19,8 @@ def element(owner: Value, key: Value) -> Value:
     if isinstance(owner, MapValue):
         return _entry(owner, key)
     if isinstance(key, Known) and isinstance(key.value, int):
-        items, _ = items_of(owner)
-        if -len(items) <= key.value < len(items):
+        items, certain = items_of(owner)
+        if -len(items) <= key.value < len(items) and (certain or key.value >= 0):
             return items[key.value]
     elif isinstance(owner, ListValue) and owner.items:
         return join(owner.items)

@@ -38,7 +38,7 @@ def _at(items: Instance, place: int, count: int, *, certain: bool) -> Instance:
 
 
 def _next(_: Machine, owner: Instance, __: Arguments) -> Value:
-    items, place, count = (owner.fields[name] for name in ("items", "at", "count"))
+    items, place, count = (owner.fields.get(name) for name in ("items", "at", "count"))
     if not (isinstance(items, Instance) and isinstance(place, Known) and isinstance(count, Known)):
         return Hole("iterator")
     certain = owner.fields["certain"] == Known(value=True)

@@ -247,11 +247,16 @@ def truth(value: Value) -> bool | None:
         return True if value.items else (None if value.open else False)
     if isinstance(value, MapValue):
         return True if value.entries else (None if value.open else False)
-    if isinstance(value, (Hole, Foreign)):
+    if isinstance(value, (Hole, Foreign)) or _is_native(value):
         return None
     if isinstance(value, Text):
         return True if any(isinstance(part, str) and part for part in value.parts) else None
     return True
+
+
+def _is_native(value: Value) -> bool:
+    """A library's object says itself whether it counts: a ros::Subscriber does once subscribed."""
+    return isinstance(value, Instance) and isinstance(value.type, NativeClass)
 
 
 def is_tainted(value: Value) -> bool:

@@ -344,6 +344,8 @@ _MADE: Mapping[str, Callable[..., Value]] = {
     "interactive_markers::InteractiveMarkerServer": _marker_server,
     "ros::AdvertiseOptions": _no_options,
     "ros::SubscribeOptions": _no_options,
+    "ros::AdvertiseServiceOptions": _no_options,
+    "ros::ServiceClientOptions": _no_options,
 }
 _SYNCHRONIZERS = (
     "message_filters::Synchronizer",

@@ -288,6 +288,21 @@ def _compare_texts(_: Machine, __: object, arguments: Arguments) -> Value:
     return Hole("strcmp")
 
 
+PARAMETER_KIND = "XmlRpc::XmlRpcValue::Type"
+
+
+def kind_of(_: Machine, owner: Value, __: Arguments) -> Value:
+    """`XmlRpcValue::getType()`: the part behind `Type` of its name (XmlRpcValue.h)."""
+    if isinstance(owner, ListValue):
+        return Known("Array")
+    if isinstance(owner, MapValue):
+        return Known("Struct")
+    if not isinstance(owner, Known):
+        return Hole("getType")
+    kinds = {bool: "Boolean", int: "Int", float: "Double", str: "String"}
+    return Known(kinds.get(type(owner.value), "Invalid"))
+
+
 _THREAD = NativeClass("boost::thread")
 _STREAM = NativeClass(
     "std::stringstream",

@@ -14,7 +14,7 @@ _POINTERS = {
     "message_filters::MessageEvent",
 }
 _NO_PACKAGES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
-_SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr")
+_SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr", "Request", "Response")
 
 
 def is_message_package(dotted: str) -> bool:
@@ -33,12 +33,16 @@ def message_type(dotted: str) -> MessageType | None:
 def cpp_message(type: TypeRef | None) -> str:
     """Return the message that a C++ type means: `std_msgs::String::ConstPtr` is std_msgs/String.
 
+    A point cloud of PCL travels as a PointCloud2 (ROS wiki: pcl_ros).
+
     Empty for what does not look like a message of a package.
     """
     if type is None:
         return ""
     if type.name in _POINTERS and type.args:
         return cpp_message(type.args[0])
+    if type.name.startswith("pcl::PointCloud"):
+        return "sensor_msgs/PointCloud2"
     parts = [part for part in type.name.split("::") if part]
     if len(parts) > 2 and parts[-1] in _SUFFIXES:  # noqa: PLR2004
         parts.pop()

@@ -4,14 +4,18 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.items import listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     FALSE,
+    NONE,
     TRUE,
     FunctionValue,
     Hole,
     Instance,
     Known,
+    ListValue,
+    MapValue,
     NativeClass,
     Placeholder,
     Value,
@@ -139,7 +143,9 @@ def subscribe(machine: Machine, owner: Value, arguments: Arguments) -> Value:
 
 
 def _service(kind: DeclarationKind, machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    name = in_handle(machine, owner, arguments.get(0))
+    first = arguments.get(0)
+    given = first.fields["options"] if isinstance(first, Instance) and "options" in first.fields else first
+    name = in_handle(machine, owner, given)
     type = typed(machine, arguments) or _service_type(callback_message(machine, arguments, 1))
     if not type and arguments.types:
         type = _service_type(typed(machine, arguments))
@@ -164,7 +170,7 @@ def param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     """`param("name", variable, default)`, `param<T>("name", default)`."""
     written = len(arguments.values) > 2  # noqa: PLR2004 - name, variable, default
     default = arguments.get(2 if written else 1) or _UNKNOWN
-    found = parameter(machine, in_handle(machine, owner, arguments.get(0)))
+    found = _of_cpp(parameter(machine, in_handle(machine, owner, arguments.get(0))))
     missing = found is None or isinstance(found, Hole)
     value = _as_parameter(default) if missing else found
     assert value is not None  # noqa: S101 - found is set where it is not missing
@@ -176,13 +182,23 @@ def param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     return FALSE if found is None else TRUE
 
 
+def _of_cpp(value: Value | None) -> Value | None:
+    """Return a parameter as C++ holds it: a struct is a map, whose items are pairs."""
+    if isinstance(value, MapValue):
+        inner = {key: _of_cpp(entry) or NONE for key, entry in value.fields.items()}
+        return MapValue(inner, pairs=True)
+    if isinstance(value, ListValue):
+        return listed([_of_cpp(item) or NONE for item in value.items])
+    return value
+
+
 def _as_parameter(value: Value) -> Value:
     return Known(value.value, tainted=True) if isinstance(value, Known) else value
 
 
 def get_param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     """`getParam("name", variable)`: whether it is set; the variable stays where it is not."""
-    found = parameter(machine, in_handle(machine, owner, arguments.get(0)))
+    found = _of_cpp(parameter(machine, in_handle(machine, owner, arguments.get(0))))
     place = arguments.place(1)
     if found is None:
         return FALSE
@@ -320,6 +336,8 @@ FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::names::resolve": _resolve,
     "ros::names::remap": _resolve,
     "ros::names::append": _append,
+    "ros::names::clean": lambda machine, owner, arguments: arguments.get(0) or _UNKNOWN,
+    "ros::AdvertiseServiceOptions::create": options_of,
     "ros::AdvertiseOptions::create": options_of,
     "ros::SubscribeOptions::create": options_of,
     "ros::ok": lambda machine, owner, arguments: Hole("ok"),

@@ -22,6 +22,7 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 from rtron.sources.code.natives.started import shell_words, started_by_words
+from rtron.sources.declaration import NodeSite
 
 
 def _known(values: tuple[Value, ...]) -> list[str] | None:
@@ -52,13 +53,14 @@ def _getenv(machine: Machine, _: object, arguments: Arguments) -> Value:
     return Hole("environ")
 
 
-def _argv(machine: Machine) -> ListValue:
-    site = machine.recorder.site
-    return listed([Known(site.name.rpartition("/")[2]), *map(Known, site.args)])
+def command_line(site: NodeSite) -> ListValue:
+    """Return a node's words, the program's name first; open where nobody says how it is started."""
+    words = (Known(site.name.rpartition("/")[2]), *map(Known, site.args))
+    return ListValue({"items": words, "open": not site.complete})
 
 
 def _myargv(machine: Machine, _: object, __: Arguments) -> Value:
-    return _argv(machine)
+    return command_line(machine.recorder.site)
 
 
 def _package_path(machine: Machine, _: object, arguments: Arguments) -> Value:
@@ -216,7 +218,7 @@ def constants(machine: Machine) -> dict[str, Value]:
     """Return the library's variables that depend on the node: its command line, its environment."""
     environ = dict(machine.recorder.site.environ)
     return {
-        "sys.argv": _argv(machine),
+        "sys.argv": command_line(machine.recorder.site),
         "os.environ": MapValue({name: Known(value) for name, value in environ.items()}),
         "os.sep": Known("/"),
         "sys.version_info.major": Known(3),

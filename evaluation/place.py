@@ -1,0 +1,54 @@
+"""Where the apps and the ground truth lie."""
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+
+class AbsentError(Exception):
+    """What a part needs is not here."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """The folder of apps and that of the data; None where the environment names none."""
+
+    apps: Path | None
+    data: Path | None
+
+    def repositories(self, names: Iterable[str]) -> list[Path]:
+        """Return the folders of repositories (`owner/name@commit`); raise AbsentError."""
+        folders = [self._apps() / name for name in names]
+        missing = [folder.name for folder in folders if not folder.is_dir()]
+        if missing:
+            raise AbsentError(f"RTRON_APPS lacks {', '.join(missing)}")
+        return folders
+
+    def present(self, names: Iterable[str]) -> list[Path]:
+        """Return those of some repositories that are here."""
+        return [folder for name in names if (folder := self._apps() / name).is_dir()]
+
+    def all_repositories(self) -> list[Path]:
+        """Return every repository, by name; raise AbsentError if there is no folder of them."""
+        return sorted(path for path in self._apps().glob("*/*") if path.is_dir())
+
+    def truth(self, name: str) -> Path:
+        """Return a file of the ground truth; raise AbsentError if it is not here."""
+        if self.data is None:
+            raise AbsentError("RTRON_DATA names no folder that holds groundtruth/")
+        path = self.data / "groundtruth" / name
+        if not path.is_file():
+            raise AbsentError(f"RTRON_DATA lacks groundtruth/{name}")
+        return path
+
+    def _apps(self) -> Path:
+        if self.apps is None or not self.apps.is_dir():
+            raise AbsentError("RTRON_APPS names no folder of apps")
+        return self.apps
+
+
+def place(environ: Mapping[str, str] = os.environ) -> Place:
+    """Return the folders that the environment names."""
+    apps, data = environ.get("RTRON_APPS"), environ.get("RTRON_DATA")
+    return Place(Path(apps).absolute() if apps else None, Path(data).absolute() if data else None)

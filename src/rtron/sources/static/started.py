@@ -1,0 +1,65 @@
+"""What nodes start themselves: launch files, and programs by rosrun."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.declaration import NodeSite, StartedLaunch
+from rtron.sources.static.launch_paths import find_launch
+from rtron.sources.static.node import AppNode, argument_remaps, with_private
+from rtron.sources.static.part import Part
+from rtron.sources.workspace import Workspace
+from rtron.vocabulary import Evidence, Parameters, Unresolved
+from rtron.vocabulary.launch import canonical_name
+
+ROSRUN = "rosrun"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StartedFile:
+    """A launch file that a node starts, with its arguments."""
+
+    path: Path
+    args: tuple[tuple[str, str], ...]
+    by: str
+    evidence: Evidence
+
+
+def started_file(
+    started: StartedLaunch, by: Part, workspace: Workspace
+) -> StartedFile | Unresolved:
+    """Return the launch file that is started, or why it is not known."""
+    place = next(iter(started.evidence), by.node.evidence)
+    try:
+        if "{" in started.path:
+            raise InputError("its name is not known before the app runs")
+        path = find_launch(started.path, workspace)
+    except InputError as error:
+        what = f"launch {started.path} that {by.owner} starts"
+        return Unresolved(what=what, why=str(error), evidence=(place,))
+    pairs = (word.split(":=", 1) for word in started.args if ":=" in word)
+    args = tuple(sorted((name, value) for name, value in pairs))
+    return StartedFile(path=path, args=args, by=by.owner, evidence=place)
+
+
+def started_node(started: StartedLaunch, by: Part, parameters: Parameters) -> AppNode:
+    """Return the node that `rosrun PACKAGE TYPE …` starts, named like its program.
+
+    The name that the program gives itself counts where `__name:=` gives none; programs are mostly
+    called as they call themselves.
+    """
+    package, _, type = started.path.partition("/")
+    words = started.args[1:]
+    names = dict(word.split(":=", 1) for word in words if word.startswith("__") and ":=" in word)
+    stem = names.get("__name", Path(type).stem)
+    name = canonical_name(f"/{names.get('__ns', '')}/{stem}")
+    place = next(iter(started.evidence), by.node.evidence)
+    site = NodeSite(
+        name=name,
+        args=words,
+        parameters=with_private(parameters, words, name, place.file),
+        remaps=argument_remaps(words, name),
+        environ=by.node.site.environ,
+    )
+    return AppNode(site=site, package=package, type=type, evidence=place, started_by=by.owner)
