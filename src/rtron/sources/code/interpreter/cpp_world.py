@@ -41,7 +41,7 @@ from rtron.sources.code.ir import (
 )
 from rtron.sources.code.natives.cpp_std import PARAMETER_KIND, PLACEHOLDERS, kind_of
 from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
-from rtron.sources.code.natives.messages import cpp_message
+from rtron.sources.code.natives.messages import cpp_message, cpp_message_name
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
 
 _MAX_BASES = 32
@@ -248,7 +248,21 @@ class CppWorld:
         """Return the message that a parameter's type means where its function is written."""
         if type is None:
             return ""
-        return cpp_message(self.resolved(type, Frame(file="", scope=scope, types=types)))
+        resolved = self.resolved(type, Frame(file="", scope=scope, types=types))
+        name = cpp_message(resolved)
+        package, _, plain = name.rpartition("/")
+        if name and self.files.has_message(package, plain):
+            return name
+        return self._opened_message(plain or resolved.name.partition("::")[0]) or name
+
+    def _opened_message(self, plain: str) -> str:
+        """`using vector_map_msgs::PointArray`, `using namespace std_msgs` bring a plain name."""
+        for using in self.symbols.usings:
+            package, _, name = using.rpartition("::")
+            for owner, what in ((package, name), (using, plain)):
+                if what == plain and self.files.has_message(owner, cpp_message_name(plain)):
+                    return f"{owner}/{cpp_message_name(plain)}"
+        return ""
 
     def plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
         """Make the object of a plugin, its library's sources taken in first."""

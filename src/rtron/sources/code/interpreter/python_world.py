@@ -280,8 +280,22 @@ class PythonWorld:
     def _note(self, unit: Unit, path: Path) -> None:
         for problem in unit.problems:
             self.machine.recorder.problem(path, problem)
-        for function in functions_in(unit.body):
-            self._named.setdefault(function.name, []).append(function)
+        for name, function in called_as(unit.body):
+            self._named.setdefault(name, []).append(function)
+
+
+def called_as(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Function]]:
+    """Yield every function with the plain name it is called by: `__init__` by its class's."""
+    for statement in body:
+        what = getattr(statement, "what", None)
+        if isinstance(what, Function):
+            yield (cls if what.name == "__init__" else what.name), what
+            yield from called_as(what.body or ())
+        elif isinstance(what, Class):
+            yield from called_as(what.body, what.name)
+        else:
+            for name in ("body", "orelse", "final"):
+                yield from called_as(getattr(statement, name, ()) or ())
 
 
 def functions_in(body: tuple[object, ...]) -> Iterator[Function]:

@@ -48,10 +48,11 @@ def cpp_message(type: TypeRef | None) -> str:
         parts.pop()
     if len(parts) != 2 or parts[0] in _NO_PACKAGES:  # noqa: PLR2004
         return ""
-    return f"{parts[0]}/{_without_suffix(parts[1])}"
+    return f"{parts[0]}/{cpp_message_name(parts[1])}"
 
 
-def _without_suffix(name: str) -> str:
+def cpp_message_name(name: str) -> str:
+    """Return a message's name without what C++ adds to it: `StringConstPtr` is String."""
     name = name.removesuffix("_")
     for suffix in _SUFFIXES:
         if name.endswith(suffix) and name != suffix:

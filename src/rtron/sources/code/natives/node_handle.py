@@ -24,7 +24,6 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.natives import endpoints
-from rtron.sources.code.natives.messages import cpp_message
 from rtron.sources.code.natives.names import (
     node_namespace,
     parameter,
@@ -77,7 +76,7 @@ def message_of(machine: Machine, type: TypeRef | None, arguments: Arguments) -> 
     """Return a C++ type as a message type, typedefs and template parameters followed."""
     if type is None:
         return ""
-    return cpp_message(machine.world.resolved(type, arguments.frame))
+    return machine.world.message_in(type, arguments.frame.scope, arguments.frame.types)
 
 
 def callback_message(machine: Machine, arguments: Arguments, first: int) -> str:
