@@ -129,6 +129,25 @@ def test_an_unknown_member_of_a_known_list_leaves_its_own_hole(evaluated):
     assert names(found, "subscribe") == {"/robot/a", "/robot/{~topics/1/topic}"}
 
 
+@pytest.mark.parametrize(
+    "topic", [None, "", "two words", "a-b", "~~x", ["list"], {"a": "dict"}, "x" * 5000, "tòpic"]
+)
+def test_what_is_no_name_is_unresolved(evaluated, topic):
+    text = "- {subscribe: \"{param('~topic')}\", type: p/T}\n- {publish: ok, type: p/T}\n"
+    found = evaluated(text, values={} if topic is None else {"/robot/driver/topic": topic})
+    assert told(found) == {("publish", "/robot/ok", "p/T")}
+    assert len(found.unresolved) == 1
+
+
+def test_a_very_deep_parameter_ends_in_a_hole(evaluated):
+    deep = "x"
+    for _ in range(5000):
+        deep = [deep]
+    text = "- {subscribe: \"{get(param('~a'), 0)}\", type: p/T}\n- {publish: ok, type: p/T}\n"
+    found = evaluated(text, values={"/robot/driver/a": deep})
+    assert "/robot/ok" in names(found, "publish")
+
+
 def test_numbered_parameters_end_at_the_first_gap(evaluated):
     text = "- {subscribe: \"{topic}\", type: p/T, for: topic in counted('~odom')}\n"
     values = {f"/robot/driver/odom{n}": f"o{n}" for n in (0, 1, 3)}

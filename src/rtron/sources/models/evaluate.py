@@ -197,7 +197,7 @@ def _used_scope(entry: Declare, scope: Scope, expressions: Expressions) -> Scope
 
 def _declaration(entry: Declare, kind: DeclarationKind, scope: Scope, use: _Use) -> Declaration:
     expressions = Expressions(scope)
-    name = scope.resolve(expressions.text(entry.name))
+    name = scope.resolve(expressions.name(entry.name))
     symbolic = use.uncertain or has_hole(name)
     return Declaration(
         kind=kind,

@@ -12,6 +12,7 @@ from rtron.sources.models.scope import Scope
 from rtron.sources.models.values import Hole, Value, has_hole
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
+_NAME = re.compile(r"~?[A-Za-z0-9_/]*", re.ASCII)
 
 
 @dataclass(slots=True)
@@ -32,8 +33,21 @@ class Expressions:
         return kept[0]
 
     def text(self, template: str) -> str:
-        """Return a template with its expressions' values filled in."""
-        return _BRACES.sub(lambda braces: str(self.value(braces[1])), template)
+        """Return a template with its expressions' values filled in; they must be plain values."""
+        return _BRACES.sub(lambda braces: self._plain(braces[1]), template)
+
+    def name(self, template: str) -> str:
+        """Return the ROS name that a template gives; raise ValueError if it is none."""
+        name = self.text(template)
+        if not _NAME.fullmatch(_BRACES.sub("", name)) or not name:
+            raise ValueError(f"{name[:80]!r} is no name")
+        return name
+
+    def _plain(self, text: str) -> str:
+        value = self.value(text)
+        if not isinstance(value, (str, int, float)):
+            raise ValueError(f"{text[:80]} gives no plain value")  # noqa: TRY004 - as every other fault here
+        return str(value)
 
     def _variable(self, name: str) -> Value:
         return self._noted(self.scope.variables[name])

@@ -5,7 +5,7 @@ docs/models.md explains every key with an example.
 
 import re
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -136,7 +136,7 @@ class Model(BaseModel):
             waiting[:0] = entry.declares or ()
 
 
-def texts(model: Model) -> Iterator[Any]:
+def texts(model: Model) -> Iterator[tuple[str, str]]:
     """Yield each text of a model that holds an expression, as (kind, text)."""
     yield from (("expression", text) for text in model.let.values())
     for entry in model.walk():

@@ -7,6 +7,8 @@ from rtron.vocabulary.parameters import UnknownValue
 
 Value = Any
 
+MAX_DEPTH = 20
+
 
 class Hole(str):
     """A value that is not known: its name in braces, `{~prefix}`; stays a hole when looked into."""
@@ -19,14 +21,14 @@ def hole(name: str) -> Hole:
     return Hole("{" + name.replace("{", "").replace("}", "") + "}")
 
 
-def known(value: Value, name: str) -> Value:
-    """Return a parameter's value with a hole for each UnknownValue in it."""
-    if isinstance(value, UnknownValue):
+def known(value: Value, name: str, depth: int = 0) -> Value:
+    """Return a parameter's value with a hole for each UnknownValue, and for what is too deep."""
+    if isinstance(value, UnknownValue) or depth > MAX_DEPTH:
         return hole(name)
     if isinstance(value, Mapping):
-        return {key: known(inner, f"{name}/{key}") for key, inner in value.items()}
+        return {key: known(inner, f"{name}/{key}", depth + 1) for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
-        return [known(inner, f"{name}/{i}") for i, inner in enumerate(value)]
+        return [known(inner, f"{name}/{i}", depth + 1) for i, inner in enumerate(value)]
     return value
 
 

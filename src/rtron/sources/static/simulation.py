@@ -13,6 +13,7 @@ from rtron.sources.gazebo import GazeboPlugin, plugins_of, read_world
 from rtron.sources.models import Models, PluginElement, controllers, plugin_interface
 from rtron.sources.models.arguments import option, own_arguments
 from rtron.sources.models.form import NodeRole
+from rtron.sources.static.controller_files import with_controller_files
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.part import Part
 from rtron.sources.workspace import Workspace
@@ -44,7 +45,7 @@ class Simulation:
         yield from plugins
         for spawner in (part for part in parts if _role(part) is NodeRole.CONTROLLER_SPAWNER):
             host = _host(spawner.node, (*parts, *plugins)) or next(iter(servers), spawner)
-            site = spawner.node.site
+            site = with_controller_files(spawner.node.site)
             interface = controllers(site, site.parameters, models=self.models)
             yield replace(host, node=host.node, model=None, task=None, interface=interface)
 

@@ -1,0 +1,85 @@
+"""`python -m evaluation [PART ...] [-v]`: evaluate all parts, or those that are named."""
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from evaluation import autorace, autoware, calls, launches
+from evaluation.figure import Figure, Part, Tell
+from evaluation.place import AbsentError, Place, place
+from evaluation.subjects import AUTORALLY, TURTLEBOT
+from evaluation.systems import part
+from evaluation.table import table, write
+
+PARTS: dict[str, Part] = {
+    "autorally": part(AUTORALLY),
+    "turtlebot": part(TURTLEBOT),
+    "autorace": autorace.figures,
+    "autoware": autoware.figures,
+    "calls": calls.figures,
+    "launches": launches.figures,
+}
+OUTPUT = Path(__file__).parents[1] / "build" / "eval.json"
+
+
+def main() -> None:
+    """Evaluate, write the JSON, print the tables."""
+    args = _arguments()
+    console = Console(width=None if sys.stdout.isatty() else 110)
+    found: list[Figure] = []
+    with _progress(console) as progress:
+        tell = _tell(console, progress, verbose=args.verbose)
+        for figure in _evaluated(place(), args.parts or list(PARTS), tell):
+            found.append(figure)
+            write(found, args.output, keep=bool(args.parts))
+    console.print(table(found))
+    console.print(f"written to {args.output}")
+
+
+def _evaluated(here: Place, names: Sequence[str], tell: Tell) -> Iterator[Figure]:
+    for name in names:
+        try:
+            yield from PARTS[name](here, tell)
+        except AbsentError as error:
+            tell.lines([f"{name} is skipped: {error}", ""])
+
+
+def _tell(console: Console, progress: Progress, *, verbose: bool) -> Tell:
+    task = progress.add_task("")
+
+    def say(what: str) -> None:
+        progress.update(task, description=what)
+
+    def print_lines(lines: Sequence[str]) -> None:
+        for line in lines:
+            console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+    return Tell(say, print_lines, print_lines if verbose else _quiet)
+
+
+def _quiet(lines: Sequence[str]) -> None:
+    """Take lines that nobody asked for."""
+
+
+def _progress(console: Console) -> Progress:
+    description = TextColumn("{task.description}")
+    return Progress(SpinnerColumn(), description, TimeElapsedColumn(), console=console)
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m evaluation", description=__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("-v", "--verbose", action="store_true", help="list what is wrong")
+    parser.add_argument("-o", "--output", type=Path, default=OUTPUT, help="the JSON file")
+    args = parser.parse_args()
+    if unknown := set(args.parts) - set(PARTS):
+        parser.error(f"no such part: {', '.join(sorted(unknown))}")
+    return args
+
+
+if __name__ == "__main__":
+    main()

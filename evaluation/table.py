@@ -1,0 +1,45 @@
+"""The figures, for a person and for a program."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.table import Column, Table
+
+from evaluation.figure import Figure
+
+_MARKS = {True: "[green]met", False: "[red]missed", None: ""}
+
+
+def table(figures: Sequence[Figure]) -> Table:
+    """Return the table that is printed at the end."""
+    shown = Table(Column("figure", no_wrap=True), title="RTron beside its peers")
+    for name in ("ours", "peer", "ratio"):
+        shown.add_column(name, justify="right")
+    shown.add_column("unit")
+    shown.add_column("wanted")
+    for figure in figures:
+        values = map(number, (figure.ours, figure.peer, figure.ratio))
+        shown.add_row(figure.name, *values, figure.unit, _wanted(figure))
+    return shown
+
+
+def number(value: float | None) -> str:
+    """Return a number with three digits that mean something, nothing for None."""
+    if value is None:
+        return ""
+    return f"{value:,.0f}" if abs(value) >= 1000 or value == int(value) else f"{value:.3g}"
+
+
+def write(figures: Sequence[Figure], path: Path, *, keep: bool) -> None:
+    """Write the figures as JSON; `keep` those of other parts that the file has."""
+    old = json.loads(path.read_text()) if keep and path.exists() else {}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    new = old | {figure.name: figure.as_json() for figure in figures}
+    path.write_text(json.dumps(new, indent=2) + "\n")
+
+
+def _wanted(figure: Figure) -> str:
+    limits = [(">=", figure.at_least), ("<=", figure.at_most)]
+    said = [f"{sign} {number(bound)}" for sign, bound in limits if bound is not None]
+    return " ".join((*said, _MARKS[figure.met])).strip()
