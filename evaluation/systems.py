@@ -106,8 +106,9 @@ def _corrected(
 def _scored(
     prefix: str, name: str, observed: Architecture, graph: InteractionGraph
 ) -> Iterator[Figure]:
-    seen, found = _corrected(name, observed, graph)
-    filtered, raw = score(seen, found, raw=False), score(seen, found, raw=True)
+    """Give the figures of what was observed, as the peer's are."""
+    found = graph_architecture(graph)
+    filtered, raw = score(observed, found, raw=False), score(observed, found, raw=True)
     bound, raw_bound = _BOUNDS[name]
     for kind in _SCORED:
         peer, ours = SYSTEMS[name][kind], filtered[kind]

@@ -8,6 +8,7 @@ from typing import TypeAlias
 from rtron.errors import InputError
 from rtron.sources.launch.reader import read_launches
 from rtron.sources.models import Models, interface, load_models
+from rtron.sources.models.packages import known_packages
 from rtron.sources.static.assembly import Assembly
 from rtron.sources.static.cache import Cache, open_cache
 from rtron.sources.static.node import AppNode, launched_node
@@ -102,7 +103,8 @@ class _Scan:
 
     def _read(self, launches: Sequence[Launch]) -> tuple[LaunchTree, ...]:
         describe = self.descriptions.describe
-        return read_launches(launches, self.workspace.packages, self.environ, describe=describe)
+        packages = {**known_packages(), **self.workspace.packages}
+        return read_launches(launches, packages, self.environ, describe=describe)
 
     def _read_more(
         self, trees: tuple[LaunchTree, ...], launches: Sequence[Launch], files: list[StartedFile]
