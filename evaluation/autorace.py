@@ -49,7 +49,7 @@ PAPER = {"Perception": 16, "Planning": 2, "Control": 4, "FMN": 5, "RSRCN": 1, "M
 
 
 def figures(here: Place, tell: Tell) -> Iterator[Figure]:
-    """Score both variants; the risks are those of the scan with the dependencies' source."""
+    """Score the app, its dependencies known by models or by their source."""
     truth = read_truth(here.truth("autorace.yaml"))
     for variant, dependencies in (("models", False), ("sources", True)):
         tell.progress(f"autorace with {variant}")
@@ -59,17 +59,19 @@ def figures(here: Place, tell: Tell) -> Iterator[Figure]:
         tell.lines([*coordination.differences(graph, truth.graph()), ""])
         tell.detail([*coordination.topics(graph), ""])
         tell.detail([f"  unresolved: {note.what}: {note.why}" for note in graph.unresolved])
-    yield from coordination.figures("autorace", PAPER, graph)
+        yield from coordination.figures(f"autorace.{variant}", PAPER, graph)
 
 
 def _scored(name: str, truth: HandTruth, graph: InteractionGraph, tell: Tell) -> Iterator[Figure]:
     whole, own = truth.score(graph), truth.score(graph, first_party=True)
+    explicit = truth.score(graph, explicit=True)
     published, subscribed = own.hits_of(Direction.PUBLISH), own.hits_of(Direction.SUBSCRIBE)
     dead = len(whole.found & whole.dead)
     tell.lines(
         [
             f"{name}: {len(graph.nodes)} nodes, {whole.nodes_found} of the truth's {whole.nodes}",
             f"  all          precision {whole.precision:.3f} recall {whole.recall:.3f}",
+            f"  explicit     precision {explicit.precision:.3f} recall {explicit.recall:.3f}",
             f"  first party  precision {own.precision:.3f} recall {own.recall:.3f}",
             f"  first party  published {published[0]}/{published[1]}"
             f" subscribed {subscribed[0]}/{subscribed[1]}",

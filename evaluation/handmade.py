@@ -27,13 +27,17 @@ _UNLISTED_ENDING = "/transition_event"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One line of the truth; `live` is false for what is in the source and never takes place."""
+    """One line of the truth; `live` is false for what is in the source and never takes place.
+
+    `implicit` marks what a library declares by itself.
+    """
 
     node: str
     direction: Direction
     topic: str
     type: str = ""
     live: bool = True
+    implicit: bool = False
 
     @property
     def triple(self) -> Triple:
@@ -102,19 +106,29 @@ class HandTruth:
                         topic=entry["topic"],
                         type=_type(entry),
                         live=entry.get("live") is not False,
+                        implicit=bool(entry.get("implicit")),
                     )
 
-    def score(self, graph: InteractionGraph, *, first_party: bool = False) -> HandScore:
-        """Score a graph; only nodes that the truth has count, and no symbolic name."""
+    def score(
+        self, graph: InteractionGraph, *, first_party: bool = False, explicit: bool = False
+    ) -> HandScore:
+        """Score a graph; only nodes that the truth has count, and no symbolic name.
+
+        `explicit` leaves out what is implicit, in the truth and in the graph.
+        """
         names = {node["name"] for node in self._chosen(first_party=first_party)}
-        entries = [e for e in self.entries(first_party=first_party) if e.topic != "/bond"]
+        entries = [
+            entry
+            for entry in self.entries(first_party=first_party)
+            if entry.topic != "/bond" and not (explicit and entry.implicit)
+        ]
         live = frozenset(entry.triple for entry in entries if entry.live)
         return HandScore(
             nodes=len(names),
             nodes_found=len(names & {node.name for node in graph.nodes}),
             live=live,
             dead=frozenset(entry.triple for entry in entries if not entry.live) - live,
-            found=_triples(graph, names),
+            found=_triples(graph, names, explicit=explicit),
         )
 
     def graph(self) -> InteractionGraph:
@@ -142,7 +156,9 @@ def read_truth(path: Path) -> HandTruth:
     return HandTruth(tuple(yaml.safe_load(path.read_text(encoding="utf-8"))["nodes"]))
 
 
-def _triples(graph: InteractionGraph, names: set[str]) -> frozenset[Triple]:
+def _triples(
+    graph: InteractionGraph, names: set[str], *, explicit: bool
+) -> frozenset[Triple]:
     return frozenset(
         (end.node, end.direction.value, end.topic)
         for end in graph.endpoints
@@ -150,6 +166,7 @@ def _triples(graph: InteractionGraph, names: set[str]) -> frozenset[Triple]:
         and end.resolution is not Resolution.SYMBOLIC
         and not end.topic.startswith(_UNLISTED)
         and not end.topic.endswith(_UNLISTED_ENDING)
+        and not (explicit and end.implicit)
     )
 
 

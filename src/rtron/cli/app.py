@@ -1,9 +1,12 @@
-"""Which app a command is about: one in a graph file, or the one that is running."""
+"""Which app a command is about: in a graph file, running, or in source with launch files."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import quote
 
+from rtron.cli.assignments import ASSIGNED
+from rtron.cli.static_app import StaticChoice, StaticSource, static_source
 from rtron.errors import InputError
 from rtron.sources.bounded import STDIN
 from rtron.sources.graph_json import GraphFile
@@ -17,22 +20,86 @@ class App:
     source: Source
     said: str
     arguments: str
+    root: Path | None = None
+    launches: tuple[str, ...] = ()
 
 
-def chosen_app(graph: Path | None, master: str | None, timeout: float) -> App:
-    """Return the app in a graph file or, with a master's URI, the one that runs there.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chosen:
+    """What a command line says about the app: its words, and a master's URI for a running one.
 
     `timeout` is in seconds.
     """
-    if graph and master:
+
+    inputs: Sequence[str]
+    master: str | None
+    timeout: float
+    static: StaticChoice
+
+    @property
+    def paths(self) -> list[Path]:
+        """The words that are paths."""
+        return [Path(word) for word in self.inputs if ASSIGNED not in word]
+
+    @property
+    def arguments(self) -> list[str]:
+        """The words that are a launch file's arguments."""
+        return [word for word in self.inputs if ASSIGNED in word]
+
+    @property
+    def folders(self) -> list[Path]:
+        """The folders, if the app is to be read from source; raise InputError for a mix."""
+        folders = [path for path in self.paths if path != STDIN and path.is_dir()]
+        if folders and len(folders) < len(self.paths):
+            other = next(path for path in self.paths if path not in folders)
+            help = "give folders with source, or one graph"
+            raise InputError(f"{other} is not a folder", help=help)
+        return folders
+
+
+def chosen_app(chosen: Chosen) -> App:
+    """Return the app that is chosen; raise InputError if it is none or more than one."""
+    paths = chosen.paths
+    if paths and chosen.master:
         help = "leave one of the two out"
-        raise InputError(f"both {graph} and --live are given", help=help)
-    if master:
-        return _running(master, timeout)
-    if graph:
-        said = "standard input" if graph == STDIN else str(graph)
-        return App(GraphFile(graph), said, "GRAPH.json" if graph == STDIN else quote(str(graph)))
-    raise InputError("no app to read", help="give a GRAPH.json, or --live for the running app")
+        raise InputError(f"both {paths[0]} and --live are given", help=help)
+    if chosen.master:
+        return _running(chosen.master, chosen.timeout)
+    if chosen.folders:
+        return _static(chosen)
+    if len(paths) > 1:
+        raise InputError(f"what is {paths[1]}?", help="give one graph, or folders with source")
+    if paths:
+        return _in_file(paths[0])
+    help = "give a PATH with --launch, a GRAPH.json, or --live for the running app"
+    raise InputError("no app to read", help=help)
+
+
+def _in_file(graph: Path) -> App:
+    said = "standard input" if graph == STDIN else str(graph)
+    return App(GraphFile(graph), said, "GRAPH.json" if graph == STDIN else quote(str(graph)))
+
+
+def _static(chosen: Chosen) -> App:
+    source: StaticSource = static_source(chosen.folders, chosen.arguments, chosen.static)
+    words = [*map(str, chosen.folders), *chosen.arguments]
+    words += [word for launch in chosen.static.launches for word in ("--launch", launch)]
+    words += [word for each in chosen.static.env for word in ("--env", each)]
+    return App(
+        source,
+        ", ".join(chosen.static.launches),
+        " ".join(map(quote, words)),
+        root=_common(chosen.folders),
+        launches=tuple(str(path) for path, _ in source.launches),
+    )
+
+
+def _common(folders: Sequence[Path]) -> Path | None:
+    parents = [folder.absolute() for folder in folders]
+    shared = [
+        p for p in (parents[0], *parents[0].parents) if all(f.is_relative_to(p) for f in parents)
+    ]
+    return shared[0] if len(shared) > 1 else None
 
 
 def _running(master: str, timeout: float) -> App:

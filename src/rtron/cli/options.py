@@ -6,10 +6,39 @@ from typing import Annotated
 
 import typer
 
-GraphPath = Annotated[
-    Path | None,
-    typer.Argument(metavar="GRAPH.json", help="The interaction graph; - is standard input."),
+from rtron.cli.launch_names import complete_launch
+
+Inputs = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="PATH|GRAPH.json [ARG:=VALUE]",
+        help="The app's source folders, or its interaction graph (- is standard input); "
+        "arguments are for every --launch.",
+    ),
 ]
+Launches = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--launch",
+        metavar="PKG/FILE",
+        help="A launch file that starts the app, `pkg/file.launch` or a path; can be repeated. "
+        "Arguments in the same word are for it alone: 'pkg/file.launch x:=1'.",
+        autocompletion=complete_launch,
+    ),
+]
+Env = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--env",
+        metavar="NAME=VALUE",
+        help="The app's environment; can be repeated. Yours is not used, but ROS_PACKAGE_PATH.",
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option("--jobs", "-j", min=1, metavar="N", help="Work on N nodes at a time."),
+]
+NoCache = Annotated[bool, typer.Option("--no-cache", help="Read everything anew, keep nothing.")]
 Live = Annotated[bool, typer.Option("--live", help="Read the app that is running instead.")]
 Master = Annotated[
     str, typer.Option(envvar="ROS_MASTER_URI", metavar="URI", help="The ROS master of the app.")

@@ -1,34 +1,42 @@
 """`rtron plan`."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
 from typing import Annotated
 
 import typer
 
-from rtron.cli.app import App, chosen_app
+from rtron.cli.app import App, Chosen, chosen_app
 from rtron.cli.options import (
     DEFAULT_MASTER,
     DEFAULT_TIMEOUT,
-    GraphPath,
+    Env,
+    Inputs,
+    Jobs,
+    Launches,
     Lists,
     Live,
     Master,
+    NoCache,
     Timeout,
 )
 from rtron.cli.outcome import STDOUT, Outcome, replace_file
 from rtron.cli.remarks import remarks_of
+from rtron.cli.static_app import StaticChoice
 from rtron.planning.propose import left_out, propose_plan
 from rtron.planning.write import write_plan
 from rtron.reports.plan_text import plan_text
 from rtron.risks import discover, load_lists
 
-APP_LAUNCH = Path("APP.launch")
+APP_LAUNCH = "APP.launch"
 
 
-def plan(
-    graph: GraphPath = None,
+def plan(  # noqa: PLR0913 - one for each option
+    inputs: Inputs = None,
     *,
+    launch: Launches = None,
+    env: Env = None,
     live: Live = False,
     master: Master = DEFAULT_MASTER,
     timeout: Timeout = DEFAULT_TIMEOUT,
@@ -37,10 +45,8 @@ def plan(
         Path | None,
         typer.Option("--output", "-o", metavar="rtron.yaml", help="Write the plan; - prints it."),
     ] = None,
-    launch: Annotated[
-        Path,
-        typer.Option(metavar="APP.launch", help="The launch file that starts the app."),
-    ] = APP_LAUNCH,
+    jobs: Jobs = None,
+    no_cache: NoCache = False,
 ) -> Outcome:
     """Propose what to put between the nodes of an app.
 
@@ -49,12 +55,17 @@ def plan(
     blocked. It is yours to edit: set the priorities, then check it.
 
     $ rtron plan graph.json                look at the proposal
+    $ rtron plan src --launch pkg/app.launch -o rtron.yaml
     $ rtron plan graph.json -o rtron.yaml  write it; an older one becomes .bak
     $ rtron plan graph.json -o -           print the YAML
 
     Exit code: 0 proposed, 2 bad input.
     """
-    app = chosen_app(graph, master if live else None, timeout)
+    static = StaticChoice(launches=launch or (), env=env or (), jobs=jobs, use_cache=not no_cache)
+    chosen = Chosen(
+        inputs=inputs or (), master=master if live else None, timeout=timeout, static=static
+    )
+    app = chosen_app(chosen)
     found = app.source.read()
     report = discover(found, load_lists(lists) if lists else None)
     proposed = propose_plan(found, report)
@@ -63,11 +74,12 @@ def plan(
     if output:
         replace_file(output, write_plan(proposed))
     left = remarks_of(left_out(found, report))
-    return Outcome(plan_text(proposed, _next_step(app, output, launch), left))
+    return Outcome(plan_text(proposed, _next_step(app, output, launch or ()), left))
 
 
-def _next_step(app: App, written: Path | None, launch: Path) -> str:
+def _next_step(app: App, written: Path | None, launches: Sequence[str]) -> str:
     if written is None:
         return f"rtron plan {app.arguments} -o rtron.yaml"
-    plan_file, app_launch = quote(str(written)), quote(str(launch))
-    return f"rtron instrument {app_launch} --plan {plan_file} -o guarded.launch"
+    app_launch = next(iter((*app.launches, *launches)), APP_LAUNCH)
+    plan_file = quote(str(written))
+    return f"rtron instrument {quote(app_launch)} --plan {plan_file} -o guarded.launch"

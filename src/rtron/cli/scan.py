@@ -1,25 +1,37 @@
 """`rtron scan`."""
 
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Annotated
 
 import typer
 
-from rtron.cli.app import App, chosen_app
+from rtron.cli.app import App, Chosen, chosen_app
+from rtron.cli.launch_list import listed_launches
 from rtron.cli.options import (
     DEFAULT_MASTER,
     DEFAULT_TIMEOUT,
-    GraphPath,
+    Env,
+    Inputs,
+    Jobs,
+    Launches,
     Lists,
     Live,
     Master,
+    NoCache,
     Output,
+    TextOrJson,
     Timeout,
 )
 from rtron.cli.outcome import FOUND, OK, STDOUT, Outcome, as_json
+from rtron.cli.static_app import StaticChoice
+from rtron.errors import InputError
+from rtron.planning.propose import propose_plan
 from rtron.reports.dot import graph_to_dot
+from rtron.reports.html import graph_to_html
 from rtron.reports.lines import Report
 from rtron.reports.risks_json import risks_to_json
+from rtron.reports.sarif import risks_to_sarif
 from rtron.reports.text import Scan, scan_text
 from rtron.risks import discover, load_lists
 from rtron.sources.graph_json import graph_to_json
@@ -27,12 +39,14 @@ from rtron.vocabulary import InteractionGraph, RiskReport, Severity
 
 
 class Format(str, Enum):
-    """What a scan gives: a report, the risks, the graph, or the graph as a picture."""
+    """What a scan gives: a report, the risks, the graph, a picture or a page of it."""
 
     TEXT = "text"
     JSON = "json"
     GRAPH = "graph"
     DOT = "dot"
+    SARIF = "sarif"
+    HTML = "html"
 
 
 class FailOn(str, Enum):
@@ -45,19 +59,24 @@ class FailOn(str, Enum):
 
 
 def scan(  # noqa: PLR0913 - one for each option
-    graph: GraphPath = None,
+    inputs: Inputs = None,
     *,
+    launch: Launches = None,
+    env: Env = None,
     live: Live = False,
     master: Master = DEFAULT_MASTER,
     timeout: Timeout = DEFAULT_TIMEOUT,
     format: Annotated[
-        Format, typer.Option(help="A report, the risks, the graph, or a picture in DOT.")
+        Format,
+        typer.Option(help="A report, the risks, the graph, a picture in DOT, SARIF, or a page."),
     ] = Format.TEXT,
     fail_on: Annotated[
         FailOn, typer.Option(help="Exit with 1 when a risk is at least this severe.")
     ] = FailOn.LOW,
     lists: Lists = None,
     output: Output = STDOUT,
+    jobs: Jobs = None,
+    no_cache: NoCache = False,
 ) -> Outcome:
     """Find what the nodes of an app can do to each other.
 
@@ -65,18 +84,34 @@ def scan(  # noqa: PLR0913 - one for each option
     interaction graph and tells which nodes can override, outrun or mislead
     which others, and how many coordination nodes would keep them apart.
 
-    $ rtron scan graph.json
+    An app in source needs no build: name its folders and launch files.
+
+    $ rtron scan src                                     its launch files
+    $ rtron scan src --launch pkg/app.launch model:=big
+    $ rtron scan src --launch pkg/app.launch --format html -o app.html
     $ rtron scan --live --format graph --fail-on never -o graph.json
     $ rtron scan graph.json --format json --fail-on high
-    $ rtron scan graph.json --format dot | dot -Tsvg -o graph.svg
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """
-    app = chosen_app(graph, master if live else None, timeout)
+    static = StaticChoice(launches=launch or (), env=env or (), jobs=jobs, use_cache=not no_cache)
+    chosen = Chosen(
+        inputs=inputs or (), master=master if live else None, timeout=timeout, static=static
+    )
+    if chosen.folders and not launch and not live:
+        return Outcome(listed_launches(chosen.folders, _list_format(format)), OK, output)
+    app = chosen_app(chosen)
     found = app.source.read()
     report = discover(found, load_lists(lists) if lists else None)
     exit_code = FOUND if _fails(report, fail_on) else OK
-    return Outcome(_shown(app, found, report, format), exit_code, output)
+    return Outcome(_SHOWN[format](app, found, report), exit_code, output)
+
+
+def _list_format(format: Format) -> TextOrJson:
+    if format not in {Format.TEXT, Format.JSON}:
+        help = "without it, launch files are listed as text or json"
+        raise InputError("--launch is missing", help=help)
+    return TextOrJson(format.value)
 
 
 def _fails(report: RiskReport, fail_on: FailOn) -> bool:
@@ -87,12 +122,18 @@ def _fails(report: RiskReport, fail_on: FailOn) -> bool:
     return any(order.index(risk.severity) >= mildest for risk in report.risks)
 
 
-def _shown(app: App, graph: InteractionGraph, report: RiskReport, format: Format) -> str | Report:
-    if format is Format.JSON:
-        return as_json(risks_to_json(report))
-    if format is Format.GRAPH:
-        return as_json(graph_to_json(graph))
-    if format is Format.DOT:
-        return graph_to_dot(graph, report)
+def _text(app: App, graph: InteractionGraph, report: RiskReport) -> Report:
     next_step = f"rtron plan {app.arguments} -o rtron.yaml"
     return scan_text(Scan(graph, report, read_from=app.said, next_step=next_step))
+
+
+_SHOWN: Mapping[Format, Callable[[App, InteractionGraph, RiskReport], str | Report]] = {
+    Format.TEXT: _text,
+    Format.JSON: lambda app, graph, report: as_json(risks_to_json(report)),
+    Format.GRAPH: lambda app, graph, report: as_json(graph_to_json(graph)),
+    Format.DOT: lambda app, graph, report: graph_to_dot(graph, report),
+    Format.SARIF: lambda app, graph, report: risks_to_sarif(graph, report, app.root),
+    Format.HTML: lambda app, graph, report: graph_to_html(
+        graph, report, propose_plan(graph, report)
+    ),
+}

@@ -1,7 +1,7 @@
 """What the remaps cannot achieve: the ends of the plan's streams that stay open."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 from rtron.planning.instrument.instrumented import Unenforceable
 from rtron.planning.instrument.nodelets import loaders, manager_of
@@ -11,15 +11,20 @@ from rtron.vocabulary import LaunchNode, LaunchTree, Stream, names_node
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """Looks at one wired launch; each method yields what it finds."""
+    """Looks at one wired launch; each method yields what it finds.
+
+    `lost` says of nodes why no remap can be placed on them.
+    """
 
     tree: LaunchTree
     streams: tuple[Stream, ...]
     wiring: Wiring
+    lost: Mapping[LaunchNode, str] = field(default_factory=dict)
 
     def unenforceable(self) -> Iterator[Unenforceable]:
         """Yield every node of the plan whose end of a stream stays open."""
         for stream in self.streams:
+            yield from self._lost_nodes(stream)
             yield from self._open_successors(stream)
             yield from self._open_publishers(stream)
             yield from self._inside_managers(stream)
@@ -31,6 +36,11 @@ class Findings:
             yield from self._absent_publishers(stream)
             yield from self._self_delivery(stream)
             yield from self._named_loaders(stream)
+
+    def _lost_nodes(self, stream: Stream) -> Iterator[Unenforceable]:
+        for node, why in self.lost.items():
+            if side_of(node, stream):
+                yield Unenforceable(what=node.name, why=f"{why}; its {stream.topic} stays public")
 
     def _open_successors(self, stream: Stream) -> Iterator[Unenforceable]:
         for successor in stream.successors:
@@ -92,6 +102,9 @@ class Findings:
         return [node for node in nodes if any(names_node(name, n) for n in _names(node))]
 
     def _reached(self, nodes: list[LaunchNode], stream: Stream) -> bool:
+        """Tell whether a remap closes the topic at one of the nodes, or one is lost anyway."""
+        if any(node in self.lost for node in nodes):
+            return True
         placed = (remap for node in nodes for remap in self.wiring.get(node, ()))
         return any(remap.topic == stream.topic for remap in placed)
 

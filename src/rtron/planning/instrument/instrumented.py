@@ -1,7 +1,7 @@
 """What instrumenting a launch file gives: files to write, and what they do not achieve."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 
@@ -39,12 +39,15 @@ class Unenforceable:
 class Instrumented:
     """A guarded launch: `launch` is its file, `folder` holds all others of `files`.
 
-    A file whose text begins with `#!` is executable. `notes` are worth knowing and no failure.
+    A file whose text begins with `#!` is executable. `copies` of scripts and `links`, all below
+    `folder`, are mapped to what they are made from. `notes` are worth knowing and no failure.
     """
 
     launch: Path
     folder: Path
     files: Mapping[Path, str]
+    copies: Mapping[Path, Path] = field(default_factory=dict)
+    links: Mapping[Path, Path] = field(default_factory=dict)
     remaps: tuple[PlacedRemap, ...] = ()
     unenforceable: tuple[Unenforceable, ...] = ()
     notes: tuple[str, ...] = ()

@@ -2,7 +2,7 @@
 
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,11 +17,15 @@ from rtron.planning.instrument.guard_files import (
     guard_script,
 )
 from rtron.planning.instrument.instrumented import Instrumented, Unenforceable
+from rtron.planning.instrument.overlay_files import Overlaid, overlay_files
+from rtron.planning.instrument.reachable import reachable
+from rtron.planning.instrument.started import Started, whole_app
 from rtron.planning.instrument.wiring import enforced_streams, wire
 from rtron.vocabulary import LaunchTree, Plan
 
 GUARD_COMMAND = (sys.executable, "-m", "rtron", "guard")
 
+_NO_PACKAGES: Mapping[str, Path] = {}
 _UNQUOTABLE = re.compile(r"""["'&<>$\\\x00-\x1f]""")
 
 
@@ -32,26 +36,35 @@ def instrument(
     *,
     plan_text: str,
     command: Sequence[str] = GUARD_COMMAND,
+    started: Sequence[Started] = (),
+    packages: Mapping[str, Path] = _NO_PACKAGES,
 ) -> Instrumented:
     """Return the guarded launch: the app's own launch, plus remaps, plus the guard.
 
     `out` is its launch file; what else it needs lies in a folder beside it. `plan_text` is the
-    plan as the guard is to read it, `command` what runs the guard. Nothing is written. Raise
-    InputError if `out` cannot be that file, or if a file of the launch cannot be changed.
+    plan as the guard is to read it, `command` what runs the guard. `started` are the launch files
+    that nodes start themselves, `packages` where the app's packages lie. Nothing is written.
+    Raise InputError if `out` cannot be that file, or if a file of the launch cannot be changed.
     """
     out = out.absolute()
     folder = out.with_suffix(".d")
-    _check_out(tree, out, folder)
+    whole = whole_app(tree, started)
+    _check_out(whole, out, folder)
     enforced = enforced_streams(plan)
-    wiring = wire(tree, enforced)
-    findings = Findings(tree, enforced, wiring)
-    copies = Copies(wiring)
+    wiring = wire(whole, enforced)
+    found = reachable(tree, started, wiring, packages)
+    wiring = {node: remaps for node, remaps in wiring.items() if node not in found.lost}
+    findings = Findings(whole, enforced, wiring, found.lost)
+    copies = Copies(wiring, found.starters)
     root = copies.root(tree.root, folder.name, guard_element(folder.name))
+    overlaid = overlay_files(folder, found, copies, (out, folder)) if found.starters else Overlaid()
     beside = {**copies.texts, SCRIPT: guard_script(command), PLAN: plan_text}
     return Instrumented(
         launch=out,
         folder=folder,
-        files={**{folder / name: text for name, text in beside.items()}, out: root},
+        files={**{folder / n: text for n, text in beside.items()}, **overlaid.files, out: root},
+        copies=overlaid.copies,
+        links=overlaid.links,
         remaps=tuple(p for placed in wiring.values() for p in placed if p.placeable),
         unenforceable=tuple(_judged(open_end, plan) for open_end in findings.unenforceable()),
         notes=tuple(dict.fromkeys(findings.notes())),

@@ -40,6 +40,11 @@ class LaunchText:
             if match[1] == name.encode():
                 self._change(*match.span(2), quoteattr(value))
 
+    def add_attribute(self, element: Span, name: str, value: str) -> None:
+        """Give an element an attribute that it lacks."""
+        at = element.start + 1 + len(element.tag.encode())
+        self._change(at, at, f" {name}={quoteattr(value)}")
+
     def insert(self, element: Span, sibling: str) -> None:
         """Put another element before an element, on a line of its own."""
         self._change(element.start, element.start, sibling + self._line(element))

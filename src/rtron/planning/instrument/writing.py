@@ -1,6 +1,7 @@
 """Writes a guarded launch: every file is complete before any is in its place."""
 
 import os
+import shutil
 import tempfile
 from pathlib import Path
 
@@ -31,11 +32,23 @@ def write_instrumented(instrumented: Instrumented) -> None:
 
 
 def _stage(instrumented: Instrumented, stage: Path) -> None:
+    top = instrumented.launch.parent
     for path, text in instrumented.files.items():
-        staged = stage / path.relative_to(instrumented.launch.parent)
-        staged.parent.mkdir(exist_ok=True)
+        staged = _made(stage / path.relative_to(top))
         staged.write_bytes(text.encode())
         staged.chmod(_SCRIPT_MODE if text.startswith("#!") else _TEXT_MODE)
+    for path, original in instrumented.copies.items():
+        staged = _made(stage / path.relative_to(top))
+        shutil.copyfile(original, staged)
+        staged.chmod(_SCRIPT_MODE)
+    for path, original in instrumented.links.items():
+        _made(stage / path.relative_to(top)).symlink_to(original)
+
+
+def _made(path: Path) -> Path:
+    """Return a path whose folder is there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
 
 
 def _publish(stage: Path, launch: Path, folder: Path) -> None:

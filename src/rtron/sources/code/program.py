@@ -29,7 +29,7 @@ from rtron.sources.code.natives.cpp_std import CPP_STD_CLASSES, CPP_STD_FUNCTION
 from rtron.sources.code.natives.python_builtins import BUILTINS
 from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, command_line, constants
 from rtron.sources.code.natives.python_ros import PYTHON_ROS
-from rtron.sources.code.reachability import changed_at_any_time, run_pending
+from rtron.sources.code.reachability import changed_at_any_time, joins_nodes, run_pending
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence
 
@@ -130,6 +130,7 @@ def _machine(world: World, site: NodeSite, volatile: frozenset[str]) -> Machine:
         evaluators=dict(EVALUATORS),
         executors=dict(EXECUTORS),
         volatile=volatile,
+        matters=joins_nodes,
     )
 
 

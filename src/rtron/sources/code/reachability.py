@@ -74,6 +74,13 @@ def _counts(machine: Machine, function: Function) -> bool:
 
 def joins_nodes(machine: Machine, function: Function) -> bool:
     """Tell whether a function, or what it may call by name, declares anything."""
+    key = _key(function)
+    if key not in machine.joining:
+        machine.joining[key] = _joins_nodes(machine, function)
+    return machine.joining[key]
+
+
+def _joins_nodes(machine: Machine, function: Function) -> bool:
     return any(called_words(reached) & API for reached in _reached(machine, [function]))
 
 

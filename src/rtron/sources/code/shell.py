@@ -26,7 +26,9 @@ _MENTIONED = re.compile(r"\b(rosrun|roslaunch|rostopic)\b")
 _SEPARATORS = frozenset({";", "&", "&&", "|", "||", "(", ")", "{", "}", "|&"})
 _UNKNOWN = re.compile(r"[$`*?]")
 _BEFORE = frozenset({"env", "exec", "nohup", "sudo", "time", "then", "do", "else", "if", "!", "-e"})
-_VALUED = frozenset({"-r", "--rate", "-p", "--port", "-w", "-c", "--num-workers", "-t", "--timeout"})
+_VALUED = frozenset(
+    {"-r", "--rate", "-p", "--port", "-w", "-c", "--num-workers", "-t", "--timeout"}
+)
 
 
 def read_shell(path: Path) -> NodeInterface:

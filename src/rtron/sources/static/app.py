@@ -111,16 +111,24 @@ class _Scan:
     ) -> tuple[LaunchTree, ...]:
         """Return the trees with those of more files; one that cannot be read leaves `files`."""
         for file in tuple(files):
-            try:
-                earlier = [(one.path, dict(one.args)) for one in self.started]
-                trees = self._read([*launches, *earlier, (file.path, dict(file.args))])
-                self.started.append(file)
-            except InputError as error:
+            more = self._tried(launches, file)
+            if more is None:
                 files.remove(file)
-                what = f"launch {file.path.name} that {file.by} starts"
-                note = Unresolved(what=what, why=str(error), evidence=(file.evidence,))
-                self.notes.append(note)
+            else:
+                trees = more
+                self.started.append(file)
         return trees
+
+    def _tried(
+        self, launches: Sequence[Launch], file: StartedFile
+    ) -> tuple[LaunchTree, ...] | None:
+        started = [(one.path, dict(one.args)) for one in (*self.started, file)]
+        try:
+            return self._read([*launches, *started])
+        except InputError as error:
+            what = f"launch {file.path.name} that {file.by} starts"
+            self.notes.append(Unresolved(what=what, why=str(error), evidence=(file.evidence,)))
+            return None
 
     def _launched(self, tree: LaunchTree, started_by: str) -> list[AppNode]:
         return [

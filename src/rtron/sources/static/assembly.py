@@ -63,9 +63,13 @@ class Assembly:
         if owner is None:
             self.nodes.setdefault(part.owner, Node(name=part.owner))
             why = "no launch file that is read starts it"
-            self.note(Unresolved(what=f"node {part.owner}", why=why, evidence=(part.node.evidence,)))
+            self.note(
+                Unresolved(what=f"node {part.owner}", why=why, evidence=(part.node.evidence,))
+            )
         outer = dict(owner.site.remaps) if owner else {}
-        self._declare(part.owner, part.interface, Remapping({**outer, **dict(part.node.site.remaps)}))
+        self._declare(
+            part.owner, part.interface, Remapping({**outer, **dict(part.node.site.remaps)})
+        )
 
     def add_clock(self, parts: Iterable[Part], parameters: Parameters) -> None:
         """Let every node that is one of ROS follow simulated time, where that is set."""

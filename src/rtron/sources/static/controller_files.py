@@ -1,4 +1,4 @@
-"""YAML files that a controller spawner is given in place of names (controller_manager's spawner)."""
+"""YAML files that a controller spawner is given in place of names (ros_control's spawner)."""
 
 from dataclasses import replace
 from pathlib import Path

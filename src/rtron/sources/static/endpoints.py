@@ -54,9 +54,7 @@ def endpoints_of(node: str, declared: Declaration, remap: Remapping) -> Iterator
             publishes = (part in _FROM_CLIENT) == (declared.kind is DeclarationKind.ACTION_CLIENT)
             direction = Direction.PUBLISH if publishes else Direction.SUBSCRIBE
             name = f"{declared.name}/{part}"
-            yield _endpoint(
-                node, declared, name, direction, _part_type(type, declared.type), remap
-            )
+            yield _endpoint(node, declared, name, direction, _part_type(type, declared.type), remap)
 
 
 def service_of(node: str, declared: Declaration, remap: Remapping) -> Iterator[Service]:
@@ -86,7 +84,7 @@ def clock_of(node: str, place: Evidence) -> Endpoint:
     )
 
 
-def _endpoint(  # noqa: PLR0913 - an endpoint's parts
+def _endpoint(
     node: str,
     declared: Declaration,
     name: str,

@@ -69,9 +69,7 @@ def argument_remaps(words: Iterable[str], node: str) -> tuple[tuple[str, str], .
     )
 
 
-def with_private(
-    parameters: Parameters, words: Iterable[str], node: str, file: str
-) -> Parameters:
+def with_private(parameters: Parameters, words: Iterable[str], node: str, file: str) -> Parameters:
     """Return the parameters with those that a command line sets (`_name:=value`)."""
     pairs = [word.split(_ASSIGNED, 1) for word in words if _ASSIGNED in word]
     private = [pair for pair in pairs if pair[0].startswith("_") and not pair[0].startswith("__")]

@@ -4,7 +4,7 @@ A nodelet's loader has two parts: its own process, and the nodelet in its manage
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from rtron.sources.declaration import NodeInterface
 from rtron.sources.models import Model, Models
@@ -34,7 +34,7 @@ class Part:
     owner: str
     model: Model | None = None
     task: Task | None = None
-    interface: NodeInterface = NodeInterface()
+    interface: NodeInterface = field(default_factory=NodeInterface)
 
     def missing(self, what: str, why: str) -> "Part":
         """Return the part with a note instead of an interface."""

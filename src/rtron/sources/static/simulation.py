@@ -18,7 +18,7 @@ from rtron.sources.static.node import AppNode
 from rtron.sources.static.part import Part
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_regular
-from rtron.sources.xacro import RobotDescriptions, XmlElement, parse_element
+from rtron.sources.xacro import RobotDescriptions, XmlElement, parse_element, read_element
 from rtron.vocabulary import Evidence, Parameter, Unresolved
 from rtron.vocabulary.launch import canonical_name, resolve_name
 
@@ -133,11 +133,13 @@ class Simulation:
             return None
 
     def _of_file(self, path: str | None, spawner: AppNode) -> XmlElement | None:
+        if path is None or not is_regular(Path(path)):
+            why = "its description is not known before the app runs"
+            self._note(f"model of {spawner.name}", why, spawner.evidence)
+            return None
         try:
-            if path is None or not is_regular(Path(path)):
-                raise InputError("no description that is known before the app runs")
-            return parse_element(Path(path).read_text(errors="replace"), path)
-        except (InputError, OSError) as error:
+            return read_element(Path(path))
+        except InputError as error:
             self._note(f"model of {spawner.name}", str(error), spawner.evidence)
             return None
 

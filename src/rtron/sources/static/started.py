@@ -1,6 +1,5 @@
 """What nodes start themselves: launch files, and programs by rosrun."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,12 +30,13 @@ def started_file(
 ) -> StartedFile | Unresolved:
     """Return the launch file that is started, or why it is not known."""
     place = next(iter(started.evidence), by.node.evidence)
+    what = f"launch {started.path} that {by.owner} starts"
+    if "{" in started.path:
+        why = "its name is not known before the app runs"
+        return Unresolved(what=what, why=why, evidence=(place,))
     try:
-        if "{" in started.path:
-            raise InputError("its name is not known before the app runs")
         path = find_launch(started.path, workspace)
     except InputError as error:
-        what = f"launch {started.path} that {by.owner} starts"
         return Unresolved(what=what, why=str(error), evidence=(place,))
     pairs = (word.split(":=", 1) for word in started.args if ":=" in word)
     args = tuple(sorted((name, value) for name, value in pairs))

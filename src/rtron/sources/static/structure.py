@@ -29,15 +29,15 @@ def _listed(package: Path) -> Iterator[str]:
     for folder, subfolders, files in os.walk(package):
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         for name in sorted(files):
-            path = os.path.join(folder, name)
+            path = Path(folder, name)
             yield f"{path} {_mode(path)}"
             if name.endswith(_READ):
-                yield content_hash(Path(path))
+                yield content_hash(path)
 
 
-def _mode(path: str) -> int:
+def _mode(path: Path) -> int:
     try:
-        return os.stat(path).st_mode & 0o111
+        return path.stat().st_mode & 0o111
     except OSError:
         return 0
 

@@ -60,5 +60,5 @@ def _limited(seconds: float) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
-def _time_up(signal: int, frame: object) -> None:
+def _time_up(*_: object) -> None:
     raise _TimeUpError

@@ -39,7 +39,7 @@ from rtron.sources.code.ir import (
     New,
     TypeRef,
 )
-from rtron.sources.code.natives.cpp_std import PARAMETER_KIND, PLACEHOLDERS, kind_of
+from rtron.sources.code.natives.cpp_std import CONSTANTS, PARAMETER_KIND, PLACEHOLDERS, kind_of
 from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
 from rtron.sources.code.natives.messages import cpp_message, cpp_message_name
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
@@ -211,6 +211,9 @@ class CppWorld:
     def resolved(self, type: TypeRef, frame: Frame) -> TypeRef:
         """Return a type with template parameters and typedefs followed."""
         type = frame.types.get(type.name, type)
+        head, _, rest = type.name.partition("::")
+        if rest and head in frame.types:
+            type = TypeRef(f"{frame.types[head].name}::{rest}", type.args)
         found = self.symbols.type(type, frame.scope)
         return TypeRef(found.name, tuple(self.resolved(arg, frame) for arg in found.args))
 
@@ -320,14 +323,24 @@ class CppWorld:
 
     def _outer(self, name: Name, frame: Frame) -> Value:
         bound_type = frame.types.get(name.id)
+        if bound_type is not None and bound_type.name.lstrip("-").isdigit():
+            return Known(int(bound_type.name))
         if bound_type is not None:
             return self._type_value(bound_type, frame) or Hole(name.id)
+        if name.id in CONSTANTS:
+            return CONSTANTS[name.id]
         if "::" in name.id and name.id in self.functions:
             return self._native(name.id, name)
         for candidate in self.symbols.candidates(name.id, frame.scope):
             found = self._global(candidate, name)
             if found is not None:
                 return found
+        followed = self.resolved(TypeRef(name.id), frame).name
+        if followed != name.id and "::" in followed:
+            return self._global(followed, name) or self._made_by(name, frame)
+        return self._made_by(name, frame)
+
+    def _made_by(self, name: Name, frame: Frame) -> Value:
         if name.id in PLACEHOLDERS:
             return PLACEHOLDERS[name.id]
         if name.id.startswith(PARAMETER_KIND):
@@ -398,10 +411,12 @@ class CppWorld:
 
     def _construct(self, made: Instance, cls: ClassValue, arguments: Arguments) -> None:
         """Run one class's part of making an object."""
+        made.bindings.setdefault(cls.name, made.types)
         plain = cls.name.rpartition("::")[2]
         constructors = self._overloads(f"{cls.name}::{plain}")
         if not constructors:
-            self._members(made, cls, {}, self._class_frame(made, cls))
+            self._members(made, cls, {}, self._class_frame(made, cls), arguments)
+            self._aggregate(made, cls, arguments)
             return
         chosen = choose(constructors, arguments)
         frame = self.frame(FunctionValue(chosen, owner=made, cls=cls), arguments)
@@ -414,21 +429,30 @@ class CppWorld:
         cls: ClassValue,
         initialisers: Mapping[str, tuple[object, ...]],
         frame: Frame,
+        inherited: Arguments | None = None,
     ) -> None:
+        """Make the bases and members; a class without constructors hands on what it is given."""
         for base, reference in zip(cls.bases, cls.definition.bases, strict=True):
-            name = reference.name if isinstance(reference, TypeRef) else ""
-            given = initialisers.get(name, initialisers.get(name.rpartition("::")[2], ()))
-            self._base_part(made, base, given, frame)
+            if isinstance(reference, TypeRef):
+                name = reference.name
+                given = initialisers.get(name, initialisers.get(name.rpartition("::")[2], ()))
+                made.bindings[base.name] = self.resolved(reference, frame).args
+                self._base_part(made, base, inherited or self._given_to(given, frame))
         for member in cls.definition.fields:
             if not member.static:
                 made.fields[member.name] = self._field(member, initialisers, frame)
 
-    def _base_part(
-        self, made: Instance, base: Value, given: tuple[object, ...], frame: Frame
-    ) -> None:
+    def _aggregate(self, made: Instance, cls: ClassValue, arguments: Arguments) -> None:
+        """`Point{1, 2}` of a class without constructors and bases: its members, in order."""
+        if not cls.bases:
+            names = [member.name for member in cls.definition.fields if not member.static]
+            made.fields.update(zip(names, arguments.values, strict=False))
+
+    def _given_to(self, given: tuple[object, ...], frame: Frame) -> Arguments:
         line = frame.function.line if frame.function else 0
-        node = New(TypeRef("base"), given, line)  # type: ignore[arg-type]
-        arguments = self._arguments(node, frame)
+        return self._arguments(New(TypeRef("base"), given, line), frame)  # type: ignore[arg-type]
+
+    def _base_part(self, made: Instance, base: Value, arguments: Arguments) -> None:
         if isinstance(base, ClassValue):
             self._construct(made, base, arguments)
         elif isinstance(base, NativeClass) and base.make is not None:
@@ -452,7 +476,8 @@ class CppWorld:
         return self.make(member.type, arguments)
 
     def _class_frame(self, made: Instance, cls: ClassValue) -> Frame:
-        types = dict(zip(cls.definition.template, made.types, strict=False))
+        written = made.bindings.get(cls.name, made.types)
+        types = dict(zip(cls.definition.template, written, strict=False))
         return Frame(file=cls.definition.file, scope=cls.name, this=made, cls=cls, types=types)
 
     def _class(self, definition: Class) -> ClassValue:
@@ -475,8 +500,7 @@ class CppWorld:
     def _bound_types(self, called: FunctionValue, arguments: Arguments) -> Mapping[str, TypeRef]:
         """Bind template parameters: of the object's class, written out, or by the arguments."""
         function, types = called.function, dict(getattr(called.closure, "types", {}))
-        if isinstance(called.owner, Instance) and called.cls is not None:
-            types.update(zip(called.cls.definition.template, called.owner.types, strict=False))
+        types.update(self.types_of(called))
         written = called.types or arguments.types
         types.update(
             zip(
@@ -486,6 +510,13 @@ class CppWorld:
             )
         )
         return types
+
+    def types_of(self, called: FunctionValue) -> Mapping[str, TypeRef]:
+        """Return what the template parameters of a method's class mean for its object."""
+        if not isinstance(called.owner, Instance) or called.cls is None:
+            return {}
+        written = called.owner.bindings.get(called.cls.name, called.owner.types)
+        return dict(zip(called.cls.definition.template, written, strict=False))
 
     def _arguments(self, node: New, frame: Frame) -> Arguments:
         values = tuple(item_at(self.machine.evaluate(arg, frame)) for arg in node.args)

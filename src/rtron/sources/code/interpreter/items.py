@@ -9,6 +9,7 @@ from rtron.sources.code.interpreter.values import (
     MapValue,
     NativeClass,
     Value,
+    is_tainted,
     options,
 )
 
@@ -51,5 +52,10 @@ def unpacked(value: Value, count: int) -> tuple[Value, ...]:
 
 def _entries(value: MapValue) -> tuple[Value, ...]:
     if value.pairs:
-        return tuple(pair(Known(key), entry) for key, entry in value.entries.items())
-    return tuple(Known(key) for key in value.entries)
+        return tuple(pair(_key(key, entry), entry) for key, entry in value.entries.items())
+    return tuple(_key(key, entry) for key, entry in value.entries.items())
+
+
+def _key(key: object, entry: Value) -> Known:
+    """A map's key came from the parameter server if its entry did."""
+    return Known(key, is_tainted(entry))

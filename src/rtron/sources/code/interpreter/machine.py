@@ -20,6 +20,7 @@ from rtron.sources.code.interpreter.world import World
 from rtron.sources.code.ir import Expr, Function, Stmt
 
 MAX_STEPS = 400_000
+MAX_ASIDE = 4_000
 MAX_CALLS = 48
 MAX_SAME = 3
 
@@ -53,10 +54,13 @@ class Machine:
     instances: list[Value] = field(default_factory=list)
     volatile: frozenset[str] = frozenset()
     parameters: dict[str, Value] = field(default_factory=dict)
+    joining: dict[tuple[str, int, str], bool] = field(default_factory=dict)
     ran: set[tuple[str, int, str]] = field(default_factory=set)
     catching: int = 0
     discovering: int = 0
+    matters: Callable[["Machine", Function], bool] = lambda machine, function: True
     _steps: int = 0
+    _limit: int = MAX_STEPS
     _loops: int = 0
     _stack: list[Function] = field(default_factory=list)
 
@@ -82,10 +86,29 @@ class Machine:
         if function.body is None or not self._may_enter(function):
             return Hole(f"{function.name}()", type=function.returns)
         frame = self.world.frame(called, arguments)
-        self.run(function, frame)
+        if not self._run_within(function, frame):
+            return Hole(f"{function.name}()", type=function.returns)
         if frame.yields:
             return ListValue({"items": tuple(frame.yields)})
         return join(frame.returns)
+
+    def _run_within(self, function: Function, frame: Frame) -> bool:
+        """Run a function; one that joins no nodes may take few steps. Tell whether it ended."""
+        if self.matters(self, function):
+            self.run(function, frame)
+            return True
+        outer, depth = self._limit, len(self._stack)
+        self._limit = min(outer, self._steps + MAX_ASIDE)
+        try:
+            self.run(function, frame)
+        except StepsExceededError:
+            del self._stack[depth:]
+            if self._limit == outer:
+                raise
+            return False
+        finally:
+            self._limit = outer
+        return True
 
     def run(self, function: Function, frame: Frame) -> None:
         """Run a function's body in a frame that is ready."""
@@ -122,11 +145,11 @@ class Machine:
     @contextmanager
     def budget(self, steps: int) -> Iterator[None]:
         """Run something that may take so many steps."""
-        before, self._steps = self._steps, MAX_STEPS - steps
+        before, self._limit = self._limit, self._steps + steps
         try:
             yield
         finally:
-            self._steps = before
+            self._limit = before
 
     @contextmanager
     def unheard(self) -> Iterator[None]:
@@ -145,5 +168,5 @@ class Machine:
 
     def _count(self) -> None:
         self._steps += 1
-        if self._steps > MAX_STEPS:
+        if self._steps > self._limit:
             raise StepsExceededError

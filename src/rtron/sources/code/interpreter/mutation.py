@@ -19,7 +19,7 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.ir import Attr, Call
 
 POINTER_METHODS = frozenset({"get", "lock", "release", "toStrongRef"})
-_WRITERS = frozenset({"reset", "append", "push_back", "assign", "clear"})
+_WRITERS = frozenset("reset append push_back pop_back assign clear erase insert replace".split())
 
 
 def mutate(machine: Machine, node: Call, frame: Frame) -> Value | None:
@@ -58,9 +58,33 @@ def _changed(name: str, owner: Value, values: list[Value]) -> Value:
         return values[0] if values else NONE
     if name == "clear":
         return Known("") if _is_text(owner) else owner
-    if not _is_text(owner) or not values:
+    if name in {"append", "push_back"} and _is_text(owner) and values:
+        return concat((owner, values[0]))
+    if name == "assign" and values:
+        return values[0]
+    return _edited(name, owner, values)
+
+
+def _edited(name: str, owner: Value, values: list[Value]) -> Value:
+    """`s.erase(at, count)`, `s.insert(at, text)`, `s.replace(at, count, text)`, `s.pop_back()`."""
+    known = [value.value for value in values if isinstance(value, Known)]
+    if not isinstance(owner, Known) or len(known) != len(values):
         return Hole(name)
-    return values[0] if name == "assign" else concat((owner, values[0]))
+    text = str(owner.value)
+    match name, known:
+        case "pop_back", []:
+            text = text[:-1]
+        case "erase", [int(at)]:
+            text = text[:at]
+        case "erase", [int(at), int(count)]:
+            text = text[:at] + (text[at + count :] if count >= 0 else "")
+        case "insert", [int(at), str(added)]:
+            text = text[:at] + added + text[at:]
+        case "replace", [int(at), int(count), str(added)]:
+            text = text[:at] + added + text[at + count :]
+        case _:
+            return Hole(name)
+    return Known(text, owner.tainted)
 
 
 def _is_text(value: Value) -> bool:

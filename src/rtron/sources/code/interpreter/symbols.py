@@ -1,7 +1,7 @@
 """The names of a C++ program: all its files, and the headers they include, in one table."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.sources.code.interpreter.files import Files
@@ -106,21 +106,35 @@ class Symbols:
         return None
 
     def _take(self, unit: Unit) -> None:
-        for function in unit.functions:
+        self.aliases.update(unit.aliases)
+        self.enums.update(unit.enums)
+        self.usings.extend(using for using in unit.usings if using not in self.usings)
+        for definition in unit.classes:
+            self.classes.setdefault(definition.name, definition)
+            for member in definition.fields:
+                if member.static:
+                    name = f"{definition.name}::{member.name}"
+                    self._take_variable(replace(member, name=name), unit.file)
+        for function in map(self._qualified, unit.functions):
             self.functions.setdefault(function.name, []).append(function)
             owner, _, plain = function.name.rpartition("::")
             self._plain.setdefault(plain, []).append(function)
             if function.body is not None:
                 self._methods.setdefault(owner, []).append(plain)
-        for definition in unit.classes:
-            self.classes.setdefault(definition.name, definition)
         for statement in unit.body:
             if isinstance(statement, Declare):
                 self._take_variable(statement, unit.file)
-        self.aliases.update(unit.aliases)
-        self.enums.update(unit.enums)
-        self.usings.extend(using for using in unit.usings if using not in self.usings)
         self.exports.extend(unit.exports)
+
+    def _qualified(self, function: Function) -> Function:
+        """`using namespace a; B::run() {}` defines a::B::run."""
+        owner, _, plain = function.name.rpartition("::")
+        if not owner or owner in self.classes:
+            return function
+        definition = self.class_named(owner, "")
+        if definition is None:
+            return function
+        return replace(function, name=f"{definition.name}::{plain}")
 
     def _take_variable(self, declared: Declare, file: str) -> None:
         known = self.variables.get(declared.name)

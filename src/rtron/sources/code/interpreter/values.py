@@ -48,11 +48,15 @@ class Choice:
 
 @dataclass(eq=False, slots=True)
 class Instance:
-    """An object: of a scanned class, or of a native one whose `fields` a native module defines."""
+    """An object: of a scanned class, or of a native one whose `fields` a native module defines.
+
+    `types` are its template arguments, `bindings` those of its bases by their class's name.
+    """
 
     type: "ClassValue | NativeClass"
     fields: dict[Any, "Value"] = field(default_factory=dict)
     types: tuple[TypeRef, ...] = ()
+    bindings: dict[str, tuple[TypeRef, ...]] = field(default_factory=dict)
 
 
 @dataclass(eq=False, slots=True)
@@ -237,7 +241,10 @@ def each(value: Value, function: Callable[[Value], Value]) -> Value:
 
 
 def truth(value: Value) -> bool | None:
-    """Return whether a value counts as true; None if that cannot be known."""
+    """Return whether a value counts as true; None if that cannot be known.
+
+    A library's object says itself whether it counts: a ros::Subscriber does once subscribed.
+    """
     if isinstance(value, Known):
         return bool(value.value)
     if isinstance(value, Choice):
@@ -247,16 +254,13 @@ def truth(value: Value) -> bool | None:
         return True if value.items else (None if value.open else False)
     if isinstance(value, MapValue):
         return True if value.entries else (None if value.open else False)
-    if isinstance(value, (Hole, Foreign)) or _is_native(value):
+    if isinstance(value, Instance) and isinstance(value.type, NativeClass):
+        return truth(value.fields["truth"]) if "truth" in value.fields else None
+    if isinstance(value, (Hole, Foreign)):
         return None
     if isinstance(value, Text):
         return True if any(isinstance(part, str) and part for part in value.parts) else None
     return True
-
-
-def _is_native(value: Value) -> bool:
-    """A library's object says itself whether it counts: a ros::Subscriber does once subscribed."""
-    return isinstance(value, Instance) and isinstance(value.type, NativeClass)
 
 
 def is_tainted(value: Value) -> bool:

@@ -5,6 +5,7 @@ from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.items import items_of, listed, pair
+from rtron.sources.code.interpreter.iterators import ITERATOR
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.operations import percent
 from rtron.sources.code.interpreter.values import (
@@ -19,6 +20,7 @@ from rtron.sources.code.interpreter.values import (
     Native,
     NativeClass,
     Placeholder,
+    Text,
     Value,
     concat,
     each,
@@ -54,9 +56,16 @@ def _vector(_: Machine, arguments: Arguments) -> Value:
     if isinstance(given, Known) and isinstance(given.value, int) and len(arguments.values) <= 2:  # noqa: PLR2004
         fill = arguments.get(1) or Hole("item")
         return listed([fill] * max(0, min(given.value, 256)))
-    if given is not None:
-        return ListValue({"items": (), "open": True})
-    return listed(())
+    if given is not None and all(_is_item(value) for value in arguments.values):
+        return listed(arguments.values)
+    return ListValue({"items": (), "open": given is not None})
+
+
+def _is_item(value: Value) -> bool:
+    """`std::vector<std::string> v{"a", "b"}`: iterators and sizes are no items."""
+    if isinstance(value, Known):
+        return isinstance(value.value, str)
+    return isinstance(value, Text) or (isinstance(value, Instance) and value.type is not ITERATOR)
 
 
 def _map(_: Machine, arguments: Arguments) -> Value:
@@ -64,7 +73,8 @@ def _map(_: Machine, arguments: Arguments) -> Value:
     given = arguments.get(0)
     if isinstance(given, MapValue):
         return MapValue(dict(given.fields), pairs=True)
-    for item in items_of(given)[0] if given is not None else ():
+    pairs = items_of(given)[0] if given is not None and len(arguments.values) == 1 else ()
+    for item in pairs or arguments.values:
         key, value = (*items_of(item)[0], Hole("?"), Hole("?"))[:2]
         made.fields[key.value if isinstance(key, Known) else OPEN] = value
     return made
@@ -150,6 +160,12 @@ def _read(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
     return owner.fields["text"]
 
 
+def _text_of(_: Machine, __: object, arguments: Arguments) -> Value:
+    """`boost::str(format)`."""
+    given = arguments.get(0) or Known("")
+    return given.fields.get("text", given) if isinstance(given, Instance) else given
+
+
 def _getline(machine: Machine, _: object, arguments: Arguments) -> Value:
     """`getline(stream, line, separator)`: the text up to a separator, while there is any."""
     stream, place = arguments.get(0), arguments.place(1)
@@ -180,9 +196,11 @@ def _extract(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
     if not isinstance(text, Known) or place is None:
         return Hole("stream")
     word, _, rest = str(text.value).lstrip().partition(" ")
-    machine.trail.set(*place, Known(word, text.tainted))
+    if word:
+        machine.trail.set(*place, Known(word, text.tainted))
     machine.trail.set(owner.fields, "text", Known(rest, text.tainted))
-    return owner if word else Known(value=False)
+    machine.trail.set(owner.fields, "truth", Known(bool(word)))
+    return owner
 
 
 def _boost_format(_: Machine, arguments: Arguments) -> Value:
@@ -351,7 +369,7 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "for_each": _for_each,
     "split": _split,
     "is_any_of": _same,
-    "str": _same,
+    "str": _text_of,
     "async": lambda machine, _, arguments: _thread(machine, arguments),
 }
 
@@ -381,6 +399,7 @@ def _functions() -> dict[str, Native]:
     return functions
 
 
+CONSTANTS: Mapping[str, Value] = {"std::string::npos": Known(-1), "string::npos": Known(-1)}
 PLACEHOLDERS = {
     f"{space}_{n}": Placeholder(n)
     for space in ("", "boost::placeholders::", "std::placeholders::", "placeholders::")

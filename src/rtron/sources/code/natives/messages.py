@@ -46,7 +46,7 @@ def cpp_message(type: TypeRef | None) -> str:
     parts = [part for part in type.name.split("::") if part]
     if len(parts) > 2 and parts[-1] in _SUFFIXES:  # noqa: PLR2004
         parts.pop()
-    if len(parts) != 2 or parts[0] in _NO_PACKAGES:  # noqa: PLR2004
+    if len(parts) != 2 or parts[0] in _NO_PACKAGES or parts[1] in _SUFFIXES:  # noqa: PLR2004
         return ""
     return f"{parts[0]}/{cpp_message_name(parts[1])}"
 

@@ -19,6 +19,7 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Placeholder,
     Value,
+    concat,
     options,
     truth,
 )
@@ -95,9 +96,7 @@ def _message_taken(machine: Machine, callback: FunctionValue, arguments: Argumen
     for function in callback.overloads or (callback.function,):
         if at < len(function.params):
             scope = function.name.rpartition("::")[0]
-            bound = getattr(callback.owner, "types", ()) if callback.cls else ()
-            template = callback.cls.definition.template if callback.cls else ()
-            types = {**dict(zip(template, bound, strict=False)), **dict(arguments.frame.types)}
+            types = {**dict(arguments.frame.types), **machine.world.types_of(callback)}
             return machine.world.message_in(function.params[at].type, scope, types)
     return ""
 
@@ -120,11 +119,15 @@ def advertise(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     else:
         name, type = first or _UNKNOWN, typed(machine, arguments)
     topic = in_handle(machine, owner, name)
-    latched = any(value == TRUE for value in arguments.values[2:])
+    latched = any(value == TRUE for value in arguments.values[2:]) or _says_latch(first)
     escape_all(machine, arguments)
     kind = DeclarationKind.PUBLISH
     endpoints.declare(machine, kind, topic, type, arguments, latched=latched)
     return Instance(ENDPOINT, {"name": remapped(machine, topic)})
+
+
+def _says_latch(options: Value | None) -> bool:
+    return isinstance(options, Instance) and options.fields.get("latch") == TRUE
 
 
 def subscribe(machine: Machine, owner: Value, arguments: Arguments) -> Value:
@@ -319,7 +322,18 @@ def _resolve(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 
 def _append(machine: Machine, _: object, arguments: Arguments) -> Value:
-    return resolve(machine, arguments.get(1) or _UNKNOWN, arguments.get(0) or _UNKNOWN)
+    left, right = arguments.get(0) or _UNKNOWN, arguments.get(1) or _UNKNOWN
+    return concat((left, Known("/"), right))
+
+
+def _call_service(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`ros::service::call("name", service)`."""
+    name = resolve(machine, arguments.get(0) or _UNKNOWN)
+    service = arguments.get(1)
+    made = service.type if isinstance(service, Hole) else None
+    type = message_of(machine, made, arguments)
+    endpoints.declare(machine, DeclarationKind.SERVICE_CLIENT, name, type, arguments)
+    return Hole("call")
 
 
 FUNCTIONS: Mapping[str, Callable[..., Value]] = {
@@ -330,6 +344,7 @@ FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::param::set": _without_handle(set_param),
     "ros::param::search": _without_handle(search_param),
     "ros::topic::waitForMessage": _wait_for_message,
+    "ros::service::call": _call_service,
     "ros::this_node::getName": _node_name,
     "ros::this_node::getNamespace": _node_namespace,
     "ros::names::resolve": _resolve,

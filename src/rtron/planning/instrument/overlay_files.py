@@ -1,0 +1,64 @@
+"""What the overlay adds to the guarded launch's folder."""
+
+import os.path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.planning.instrument.copies import Copies
+from rtron.planning.instrument.overlay import Overlay
+from rtron.planning.instrument.package_place import PackagePlace, package_place
+from rtron.planning.instrument.reachable import Reachable
+from rtron.planning.instrument.starter_script import STARTER
+from rtron.vocabulary import LaunchFile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Overlaid:
+    """Texts, copied scripts and links by their places."""
+
+    files: Mapping[Path, str] = field(default_factory=dict)
+    copies: Mapping[Path, Path] = field(default_factory=dict)
+    links: Mapping[Path, Path] = field(default_factory=dict)
+
+
+def overlay_files(
+    folder: Path, found: Reachable, copies: Copies, left_out: Sequence[Path]
+) -> Overlaid:
+    """Return the overlay in `folder` for the launch files that nodes start.
+
+    `left_out` is what the guarded launch replaces itself. Raise InputError for a folder whose name
+    cannot stand in ROS_PACKAGE_PATH, or for packages that cannot be mirrored.
+    """
+    if ":" in str(folder):
+        help = "choose a folder with no colon in its name, as ROS_PACKAGE_PATH separates by it"
+        raise InputError("cannot hold packages", path=str(folder), help=help)
+    files = _files(found)
+    launches = {place: file for place, file in files.items() if copies.changes(file)}
+    overlay = Overlay(
+        folder=folder,
+        launches=launches,
+        programs=found.programs,
+        modules=found.modules,
+        seen=files,
+    )
+    texts = {
+        at: copies.started(file, f"/{os.path.relpath(folder, at.parent)}")
+        for at, file in ((overlay.at(place), file) for place, file in launches.items())
+    }
+    return Overlaid(
+        files={**texts, folder / STARTER: overlay.script()},
+        copies=overlay.copies(),
+        links=overlay.links([path.parent.resolve() / path.name for path in left_out]),
+    )
+
+
+def _files(found: Reachable) -> dict[PackagePlace, LaunchFile]:
+    """Return the launch files that the starters start, the first inclusion of each."""
+    files: dict[PackagePlace, LaunchFile] = {}
+    for one in found.started:
+        place = package_place(one.path)
+        if place and one.by in found.starters:
+            files.setdefault(place, one.tree.root)
+    return files

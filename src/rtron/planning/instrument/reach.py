@@ -1,0 +1,73 @@
+"""Which of the launch files that nodes start an overlay of their packages reaches."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.planning.instrument.package_place import PackagePlace, package_place
+from rtron.planning.instrument.started import Started
+from rtron.vocabulary import LaunchNode, LaunchTree
+
+_MAX_BYTES = 4 * 1024 * 1024
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """Looks at started launch files; `moved` are the programs' files that run from the overlay."""
+
+    tree: LaunchTree
+    moved: frozenset[PackagePlace]
+
+    def fault(self, started: Started) -> str | None:
+        """Return why a started launch file cannot be replaced by a copy; None if it can."""
+        return next(self._faults(started), None)
+
+    def _faults(self, started: Started) -> Iterator[str]:
+        place = package_place(started.path)
+        starters = [node for node in self.tree.nodes() if node.name == started.by]
+        named = f"{started.by} starts {started.path}"
+        if place is None:
+            yield f"{named}, which lies in no package"
+            return
+        if not starters:
+            yield f"{named}, and no launch file starts {started.by}"
+        for given in self._given(started, starters):
+            yield f"{named}, a path that it is given by {given}"
+        for evidence in started.evidence:
+            yield from self._written(named, evidence.file, place)
+
+    def _given(self, started: Started, starters: list[LaunchNode]) -> Iterator[str]:
+        """Yield the arguments and parameters that roslaunch fills with the original's path."""
+        path = str(started.path)
+        package = str(package_folder(started.path))
+        for node in starters:
+            if package in node.args:
+                yield "its arguments"
+            yield from (f"${name}" for name, value in node.environ if package in value)
+        for name, parameter in self.tree.parameters.leaves.items():
+            value = str(parameter.value)
+            if value.startswith(package) and path.startswith(value):
+                yield f"the parameter {name}"
+
+    def _written(self, named: str, file: str, place: PackagePlace) -> Iterator[str]:
+        """Yield what a program's text says of absolute paths and of its own place."""
+        text = _text(Path(file))
+        if f"{place.package.parent}/" in text:
+            yield f"{named}, a path that {file} has as it is"
+        own = package_place(Path(file))
+        if "__file__" in text and own not in self.moved:
+            yield f"{named} by the place of {file}, which is not beside its program"
+
+
+def package_folder(path: Path) -> Path:
+    """Return the folder of a file's package as the file's path spells it."""
+    place = package_place(path)
+    return path.parents[len(place.below.parts) - 1] if place else path.parent
+
+
+def _text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            return file.read(_MAX_BYTES).decode("utf-8", "replace")
+    except OSError:
+        return ""
