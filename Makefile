@@ -1,10 +1,10 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint bench fuzz docs
+.PHONY: help setup demo test lint bench eval fuzz docs
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
-CODE := src tests scripts bench
+CODE := src tests scripts bench evaluation
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-6s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -31,6 +31,9 @@ fuzz: setup ## Give the wire parsers over 100000 hostile inputs (3 minutes)
 
 bench: setup ## Measure, and write build/bench.json
 	$(PYTHON) -m bench
+
+eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json
+	$(PYTHON) -m evaluation
 
 docs: setup ## Write the pages that are made from the code
 	$(PYTHON) scripts/docs_rules.py

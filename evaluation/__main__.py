@@ -42,10 +42,14 @@ def main() -> None:
 
 def _evaluated(here: Place, names: Sequence[str], tell: Tell) -> Iterator[Figure]:
     for name in names:
-        try:
-            yield from PARTS[name](here, tell)
-        except AbsentError as error:
-            tell.lines([f"{name} is skipped: {error}", ""])
+        yield from _figures(name, here, tell)
+
+
+def _figures(name: str, here: Place, tell: Tell) -> Iterator[Figure]:
+    try:
+        yield from PARTS[name](here, tell)
+    except AbsentError as error:
+        tell.lines([f"{name} is skipped: {error}", ""])
 
 
 def _tell(console: Console, progress: Progress, *, verbose: bool) -> Tell:

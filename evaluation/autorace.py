@@ -10,6 +10,9 @@ from evaluation.place import Place
 from rtron.sources.static import ScanOptions
 from rtron.vocabulary import Direction, InteractionGraph
 
+_NAME = "turtlebot3_autorace"
+_AUTORACE = f"{_NAME}/{_NAME}"
+
 AUTORACE = App(
     name="autorace",
     repositories=(
@@ -24,18 +27,14 @@ AUTORACE = App(
         "ros/robot_state_publisher@9afecc8",
         "ros-simulation/gazebo_ros_pkgs@f9e1a46",
     ),
-    launches=(
-        ("turtlebot3_simulations/turtlebot3_gazebo/launch/turtlebot3_autorace.launch", {}),
-        ("turtlebot3_simulations/turtlebot3_gazebo/launch/turtlebot3_autorace_mission.launch", {}),
-        (
-            "turtlebot3_autorace/turtlebot3_autorace_camera/launch/"
-            "turtlebot3_autorace_intrinsic_camera_calibration.launch",
-            {},
-        ),
-        (
-            "turtlebot3_autorace/turtlebot3_autorace_core/launch/turtlebot3_autorace_core.launch",
-            {},
-        ),
+    launches=tuple(
+        (path, {})
+        for path in (
+            "turtlebot3_simulations/turtlebot3_gazebo/launch/turtlebot3_autorace.launch",
+            "turtlebot3_simulations/turtlebot3_gazebo/launch/turtlebot3_autorace_mission.launch",
+            f"{_AUTORACE}_camera/launch/{_NAME}_intrinsic_camera_calibration.launch",
+            f"{_AUTORACE}_core/launch/{_NAME}_core.launch",
+        )
     ),
     environ={
         "TURTLEBOT3_MODEL": "burger",
@@ -73,8 +72,8 @@ def _scored(name: str, truth: HandTruth, graph: InteractionGraph, tell: Tell) ->
             f"  all          precision {whole.precision:.3f} recall {whole.recall:.3f}",
             f"  explicit     precision {explicit.precision:.3f} recall {explicit.recall:.3f}",
             f"  first party  precision {own.precision:.3f} recall {own.recall:.3f}",
-            f"  first party  published {published[0]}/{published[1]}"
-            f" subscribed {subscribed[0]}/{subscribed[1]}",
+            f"  first party  published {published[0]}/{published[1]}",
+            f"  first party  subscribed {subscribed[0]}/{subscribed[1]}",
             f"  dead entries reported {dead}/{len(whole.dead)}",
         ]
     )

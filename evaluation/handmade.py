@@ -156,9 +156,7 @@ def read_truth(path: Path) -> HandTruth:
     return HandTruth(tuple(yaml.safe_load(path.read_text(encoding="utf-8"))["nodes"]))
 
 
-def _triples(
-    graph: InteractionGraph, names: set[str], *, explicit: bool
-) -> frozenset[Triple]:
+def _triples(graph: InteractionGraph, names: set[str], *, explicit: bool) -> frozenset[Triple]:
     return frozenset(
         (end.node, end.direction.value, end.topic)
         for end in graph.endpoints

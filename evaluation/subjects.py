@@ -49,6 +49,8 @@ AUTORALLY = App(
     },
 )
 
+_GAZEBO = "{turtlebot_simulator}/turtlebot_gazebo"
+
 TURTLEBOT = App(
     name="turtlebot",
     repositories=(
@@ -74,8 +76,8 @@ TURTLEBOT = App(
         ("turtlebot_simulator/turtlebot_gazebo/launch/amcl_demo.launch", {}),
     ),
     environ={
-        "TURTLEBOT_GAZEBO_WORLD_FILE": "{turtlebot_simulator}/turtlebot_gazebo/worlds/playground.world",
-        "TURTLEBOT_GAZEBO_MAP_FILE": "{turtlebot_simulator}/turtlebot_gazebo/maps/playground.yaml",
+        "TURTLEBOT_GAZEBO_WORLD_FILE": f"{_GAZEBO}/worlds/playground.world",
+        "TURTLEBOT_GAZEBO_MAP_FILE": f"{_GAZEBO}/maps/playground.yaml",
         "TURTLEBOT_3D_SENSOR": "kinect",
     },
 )
@@ -83,7 +85,7 @@ TURTLEBOT = App(
 EXPERIMENTERS: Mapping[str, frozenset[str]] = {
     "turtlebot": frozenset({"/rostopic_2964_1633637419016"}),
 }
-"""Nodes in an observation that the experimenter started by hand: the `run_script` of experiment.yml."""
+"""Nodes that the experimenter started by hand: the `run_script` of experiment.yml."""
 
 SHORT_LIVED = frozenset({("gazebo_ros", "spawn_model"), ("gazebo_ros", "spawn_urdf")})
 """Programs that end after they did their work, so that the observer came too late for them."""

@@ -9,6 +9,7 @@ from rich.table import Column, Table
 from evaluation.figure import Figure
 
 _MARKS = {True: "[green]met", False: "[red]missed", None: ""}
+_LARGE = 1000
 
 
 def table(figures: Sequence[Figure]) -> Table:
@@ -28,7 +29,7 @@ def number(value: float | None) -> str:
     """Return a number with three digits that mean something, nothing for None."""
     if value is None:
         return ""
-    return f"{value:,.0f}" if abs(value) >= 1000 or value == int(value) else f"{value:.3g}"
+    return f"{value:,.0f}" if abs(value) >= _LARGE or value == int(value) else f"{value:.3g}"
 
 
 def write(figures: Sequence[Figure], path: Path, *, keep: bool) -> None:

@@ -1,5 +1,7 @@
 """`rtron instrument`."""
 
+import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -8,13 +10,13 @@ import typer
 from rtron.cli.assignments import assignments
 from rtron.cli.options import PlanOption, TextOrJson
 from rtron.cli.outcome import FOUND, OK, Outcome, as_json
-from rtron.planning.instrument import Instrumented, write_instrumented
+from rtron.planning.instrument import Instrumented, Started, write_instrumented
 from rtron.planning.instrument import instrument as instrumented
 from rtron.planning.read import parse_plan
 from rtron.planning.yaml_text import read_text
 from rtron.reports.guarded_text import Guarded, NodeRemap, OpenEnd, guarded_text, guarded_to_json
 from rtron.sources.launch.packages import find_packages
-from rtron.sources.launch.reader import read_launch
+from rtron.sources.static.app import StaticApp, scan_app
 
 
 def instrument(
@@ -42,7 +44,9 @@ def instrument(
     """Write a launch file that starts the app guarded.
 
     No node is changed: the guarded launch is the app's own, with remaps that
-    lead each flow through the guard, and the guard. Packages are looked for in
+    lead each flow through the guard, and the guard. Launch files that nodes
+    start themselves are found in the nodes' source and guarded in copies of
+    their packages, which only those nodes see. Packages are looked for in
     --packages, then as ROS does.
 
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
@@ -52,8 +56,15 @@ def instrument(
     the plan does not accept it; 2 bad input.
     """
     text = read_text(plan)
-    tree = read_launch(launch, assignments(arguments or ()), find_packages(packages or ()))
-    result = instrumented(tree, parse_plan(text, str(plan)), output, plan_text=text)
+    app = scan_app(packages or (), [(launch, assignments(arguments or ()))], os.environ)
+    result = instrumented(
+        app.trees[0],
+        parse_plan(text, str(plan)),
+        output,
+        plan_text=text,
+        started=_started(app),
+        packages=find_packages(packages or ()),
+    )
     write_instrumented(result)
     guarded = _guarded(result)
     shown = (
@@ -62,10 +73,18 @@ def instrument(
     return Outcome(shown, OK if guarded.is_closed else FOUND)
 
 
+def _started(app: StaticApp) -> Sequence[Started]:
+    """Return what nodes start; the trees of it come after the app's own."""
+    return [
+        Started(tree=tree, by=file.by, evidence=(file.evidence,))
+        for tree, file in zip(app.trees[1:], app.started, strict=True)
+    ]
+
+
 def _guarded(result: Instrumented) -> Guarded:
     return Guarded(
         launch=str(result.launch),
-        files=tuple(map(str, result.files)),
+        files=tuple(map(str, (*result.files, *result.copies))),
         remaps=tuple(
             NodeRemap(node=r.node, topic=r.topic, written=r.written, target=r.target)
             for r in result.remaps

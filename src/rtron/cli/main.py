@@ -11,6 +11,7 @@ from rtron.cli.check import check
 from rtron.cli.explain import explain
 from rtron.cli.guard import guard
 from rtron.cli.instrument import instrument
+from rtron.cli.model import model
 from rtron.cli.outcome import BAD_INPUT, Outcome, complain, deliver
 from rtron.cli.plan import plan
 from rtron.cli.scan import scan
@@ -28,6 +29,7 @@ app = typer.Typer(
 )
 for command in COMMANDS:
     app.command()(command)
+app.add_typer(model)
 
 
 def main() -> None:
@@ -57,8 +59,8 @@ def start(
 
     From an app to a guarded app:
 
-    $ rtron scan graph.json                who can interfere with whom
-    $ rtron plan graph.json -o rtron.yaml  what to put in between
+    $ rtron scan src --launch pkg/app.launch     who can interfere with whom
+    $ rtron plan src --launch pkg/app.launch -o rtron.yaml
     $ rtron check rtron.yaml               after you edited the plan
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ roslaunch guarded.launch             the app, guarded

@@ -53,7 +53,7 @@ def static_source(
     environ = _environ(choice.env)
     workspace = read_workspace(folders, environ)
     shared = assignments(arguments)
-    words = [shlex.split(launch) or [""] for launch in choice.launches]
+    words = [_words(launch) for launch in choice.launches]
     launches = [
         (find_launch(spelled, workspace), {**shared, **assignments(own)}) for spelled, *own in words
     ]
@@ -69,3 +69,11 @@ def _environ(given: Sequence[str]) -> dict[str, str]:
             raise InputError(f"what is --env {each}?", help="write --env NAME=VALUE")
     environ = {_TAKEN: os.environ[_TAKEN]} if _TAKEN in os.environ else {}
     return environ | dict(each.split("=", 1) for each in given)
+
+
+def _words(launch: str) -> list[str]:
+    try:
+        return shlex.split(launch) or [""]
+    except ValueError as error:
+        help = "quote the whole: --launch 'pkg/file.launch name:=value'"
+        raise InputError(f"{launch}: {error}", help=help) from None

@@ -17,7 +17,8 @@ def mirror_links(root: Path, changed: Collection[Path], left_out: Collection[Pat
     or has too much in it.
     """
     without = {*changed, *left_out}
-    folders = {parent for path in without for parent in path.parents if parent.is_relative_to(root)}
+    above = (parent for path in without for parent in path.parents)
+    folders = {folder for folder in above if folder.is_relative_to(root) and folder.is_dir()}
     links: list[Path] = []
     for folder in sorted(folders):
         links += (path for path in _listed(folder) if path not in folders)

@@ -13,6 +13,9 @@ from rtron.planning.instrument.reachable import Reachable
 from rtron.planning.instrument.starter_script import STARTER
 from rtron.vocabulary import LaunchFile
 
+_IGNORE = "CATKIN_IGNORE"
+"""Keeps rospack from finding the copies where the guarded launch lies in a workspace."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Overlaid:
@@ -48,7 +51,7 @@ def overlay_files(
         for at, file in ((overlay.at(place), file) for place, file in launches.items())
     }
     return Overlaid(
-        files={**texts, folder / STARTER: overlay.script()},
+        files={**texts, folder / STARTER: overlay.script(), folder / _IGNORE: ""},
         copies=overlay.copies(),
         links=overlay.links([path.parent.resolve() / path.name for path in left_out]),
     )

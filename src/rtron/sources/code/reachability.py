@@ -53,9 +53,10 @@ def _run(machine: Machine, waiting: FunctionValue) -> None:
 
 
 def _waiting(machine: Machine) -> Iterator[FunctionValue]:
-    while machine.pending:
-        callback = machine.pending.pop(0)
-        if _counts(machine, callback.function):
+    while machine.called_back < len(machine.pending):
+        callback = machine.pending[machine.called_back]
+        machine.called_back += 1
+        if joins_nodes(machine, callback.function):
             yield callback
     for instance in list(machine.instances):
         if isinstance(instance, Instance) and _has_unknown_base(machine, instance):

@@ -49,7 +49,7 @@ class Cache:
         path = self.folder / self._name(task)
         with suppress(InputError, ValidationError):
             result = _RESULT.validate_json(read_bounded(path, MAX_ENTRY))
-            if all(self._hash(file) == known for file, known in result.files):
+            if result.files and all(self._hash(f) == known for f, known in result.files):
                 with suppress(OSError):
                     os.utime(path)
                 return result
@@ -108,7 +108,7 @@ def open_cache(folder: Path | None, state: str) -> Cache:
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = folder.lstat()
-    except OSError:
+    except (OSError, ValueError):
         return Cache(None, state)
     ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
     return Cache(folder if ours and not found.st_mode & 0o077 else None, state)

@@ -69,6 +69,19 @@ def _assign_element(machine: Machine, target: Index, value: Value, frame: Frame)
             _assign_item(machine, owner, key, value)
 
 
+def remove(machine: Machine, owner: Value, key: Value) -> None:
+    """Take an element away; which one is not known where the key is not."""
+    if isinstance(owner, MapValue) and isinstance(key, Known):
+        kept = {name: value for name, value in owner.fields.items() if name != key.value}
+        for name in set(owner.fields) - set(kept):
+            machine.trail.remove(owner.fields, name)
+    elif isinstance(owner, ListValue) and isinstance(key, Known) and isinstance(key.value, int):
+        items = list(owner.items)
+        if -len(items) <= key.value < len(items):
+            del items[key.value]
+            machine.trail.set(owner.fields, "items", tuple(items))
+
+
 def _assign_item(machine: Machine, owner: ListValue, key: Value, value: Value) -> None:
     items = list(owner.items)
     if isinstance(key, Known) and isinstance(key.value, int) and -len(items) <= key.value < len(items):

@@ -20,8 +20,12 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Value,
     each,
+    spelled,
 )
 from rtron.sources.code.ir import Attr, Call, Expr, Name, Star, TypeRef
+
+
+JOINING = frozenset({"advertise", "subscribe", "advertiseService", "serviceClient"})
 
 
 def call(machine: Machine, node: Call, frame: Frame) -> Value:
@@ -32,7 +36,16 @@ def call(machine: Machine, node: Call, frame: Frame) -> Value:
             return changed
     called = machine.evaluate(node.function, frame)
     arguments = _arguments(machine, node, frame)
+    if isinstance(node.function, Attr) and isinstance(called, Hole) and arguments.values:
+        _note_unknown(machine, node.function.name, arguments)
     return dispatch(machine, called, arguments)
+
+
+def _note_unknown(machine: Machine, name: str, arguments: Arguments) -> None:
+    """Note a call that would join nodes, if only it were known what it is called on."""
+    if machine.world.by_reference and name in JOINING and arguments.types:
+        what = f"{name}({spelled(arguments.values[0])})"
+        machine.recorder.unresolved(what, "what it is called on is not known", arguments.evidence)
 
 
 def dispatch(machine: Machine, called: Value, arguments: Arguments) -> Value:
@@ -77,7 +90,8 @@ def _arguments(machine: Machine, node: Call, frame: Frame) -> Arguments:
         if isinstance(arg, Star):
             values.extend(items_of(machine.evaluate(arg.value, frame))[0])
         else:
-            values.append(item_at(machine.evaluate(arg, frame)))
+            value = machine.evaluate(arg, frame)
+            values.append(item_at(value) if isinstance(arg, Name) else value)
     by_reference = machine.world.by_reference
     return Arguments(
         values=tuple(values),

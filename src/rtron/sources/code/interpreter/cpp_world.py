@@ -30,9 +30,11 @@ from rtron.sources.code.interpreter.values import (
     Value,
 )
 from rtron.sources.code.ir import (
+    Call,
     Class,
     Declare,
     Define,
+    Expr,
     Function,
     Import,
     Name,
@@ -40,7 +42,7 @@ from rtron.sources.code.ir import (
     TypeRef,
 )
 from rtron.sources.code.natives.cpp_std import CONSTANTS, PARAMETER_KIND, PLACEHOLDERS, kind_of
-from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
+from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound, copied
 from rtron.sources.code.natives.messages import cpp_message, cpp_message_name
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
 
@@ -390,6 +392,8 @@ class CppWorld:
             value = item_at(value)
         if node.type is not None and not node.pointer and isinstance(value, ListValue):
             return self._converted(node.type, value, node, frame)
+        if node.type is not None and not (node.pointer or node.reference or _is_made(node.value)):
+            return copied(value)
         return value
 
     def _converted(self, type: TypeRef, value: ListValue, node: Declare, frame: Frame) -> Value:
@@ -399,6 +403,8 @@ class CppWorld:
             resolved = self.resolved(type, frame)
             arguments = Arguments(values=(value,), types=resolved.args, line=node.line, frame=frame)
             return found.make(self.machine, arguments)
+        if isinstance(found, ClassValue):
+            return self.make(type, Arguments(values=value.items, line=node.line, frame=frame))
         return value
 
     def _constructed(
@@ -512,11 +518,12 @@ class CppWorld:
         return types
 
     def types_of(self, called: FunctionValue) -> Mapping[str, TypeRef]:
-        """Return what the template parameters of a method's class mean for its object."""
+        """Return what a method's template parameters, and those of its class, mean."""
+        own = dict(zip(called.function.template, called.types, strict=False))
         if not isinstance(called.owner, Instance) or called.cls is None:
-            return {}
+            return own
         written = called.owner.bindings.get(called.cls.name, called.owner.types)
-        return dict(zip(called.cls.definition.template, written, strict=False))
+        return {**own, **dict(zip(called.cls.definition.template, written, strict=False))}
 
     def _arguments(self, node: New, frame: Frame) -> Arguments:
         values = tuple(item_at(self.machine.evaluate(arg, frame)) for arg in node.args)
@@ -529,6 +536,10 @@ class CppWorld:
             or name in frame.aliases
             or (frame.closure is not None and self._in_closure(name, frame.closure))
         )
+
+
+def _is_made(node: Expr) -> bool:
+    return isinstance(node, (New, Call))
 
 
 def _bound_overloads(

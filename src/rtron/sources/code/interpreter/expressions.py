@@ -67,6 +67,9 @@ def _attr(machine: Machine, node: Attr, frame: Frame) -> Value:
 
 def _index(machine: Machine, node: Index, frame: Frame) -> Value:
     owner, key = machine.evaluate(node.owner, frame), machine.evaluate(node.key, frame)
+    if isinstance(owner, MapValue) and isinstance(key, Known) and owner.missing is not None:
+        if key.value not in owner.fields and not owner.open:
+            machine.trail.set(owner.fields, key.value, owner.missing())
     return join([element(one, other) for one in options(owner) for other in options(key)])
 
 

@@ -15,7 +15,16 @@ from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.overloads import choose
 from rtron.sources.code.interpreter.recorder import Recorder
 from rtron.sources.code.interpreter.trail import Trail
-from rtron.sources.code.interpreter.values import FunctionValue, Hole, Known, ListValue, Value, join
+from rtron.sources.code.interpreter.values import (
+    ClassValue,
+    FunctionValue,
+    Hole,
+    Instance,
+    Known,
+    ListValue,
+    Value,
+    join,
+)
 from rtron.sources.code.interpreter.world import World
 from rtron.sources.code.ir import Expr, Function, Stmt
 
@@ -51,6 +60,7 @@ class Machine:
     trail: Trail = field(default_factory=Trail)
     pending: list[FunctionValue] = field(default_factory=list)
     escaped: list[Function] = field(default_factory=list)
+    called_back: int = 0
     instances: list[Value] = field(default_factory=list)
     volatile: frozenset[str] = frozenset()
     parameters: dict[str, Value] = field(default_factory=dict)
@@ -128,10 +138,22 @@ class Machine:
         return value
 
     def escape(self, value: Value | None) -> None:
-        """Remember a function that somebody else will call."""
-        if isinstance(value, FunctionValue) and all(value is not other for other in self.pending):
+        """Remember a function, or an object that is called like one, for somebody else to call."""
+        if isinstance(value, Instance) and isinstance(value.type, ClassValue):
+            name = "operator()" if self.world.by_reference else "__call__"
+            value = self.world.attribute(value, name, ())
+        if isinstance(value, FunctionValue) and not self._is_pending(value):
             self.pending.append(value)
             self.escaped.append(value.function)
+
+    def _is_pending(self, value: FunctionValue) -> bool:
+        return any(
+            value.function is other.function
+            and value.owner is other.owner
+            and value.closure is other.closure
+            and value.given == other.given
+            for other in self.pending
+        )
 
     @contextmanager
     def looping(self) -> Iterator[int]:

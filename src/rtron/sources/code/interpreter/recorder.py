@@ -47,7 +47,7 @@ class Recorder:
         latched: bool = False,
     ) -> None:
         """Record a declared name, once for each of its options."""
-        for option in options(name):
+        for option in self._likely(name):
             declared = Declaration(
                 kind=kind,
                 name=resolve_name(spelled(option), self.site.name),
@@ -58,6 +58,12 @@ class Recorder:
                 evidence=(evidence,),
             )
             self._add(declared)
+
+    def _likely(self, name: Value) -> tuple[Value, ...]:
+        """Return what to report of a name: where no launch is known, a default is the answer."""
+        found = options(name)
+        known = tuple(option for option in found if isinstance(option, Known))
+        return known if known and not self.site.complete else found
 
     def start(self, path: str, args: tuple[str, ...], evidence: Evidence) -> None:
         """Record a launch file that the node starts."""

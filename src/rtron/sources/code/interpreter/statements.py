@@ -4,22 +4,26 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter import iteration
-from rtron.sources.code.interpreter.assignment import assign
+from rtron.sources.code.interpreter.assignment import assign, remove
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.machine import Machine, Outcome, ThrownError
 from rtron.sources.code.interpreter.values import NONE, truth
 from rtron.sources.code.ir import (
     Assign,
     Break,
+    Call,
     Continue,
     Declare,
     Define,
     Delete,
     Evaluate,
+    Expr,
     ForEach,
     Global,
     If,
     Import,
+    Index,
+    New,
     Raise,
     Return,
     Stmt,
@@ -36,7 +40,10 @@ def branch(
     outcomes: list[Outcome] = []
 
     def run(block: tuple[Stmt, ...]) -> bool:
-        outcomes.append(machine.execute(block, frame))
+        try:
+            outcomes.append(machine.execute(block, frame))
+        except ThrownError:
+            outcomes.append("raise")
         return outcomes[-1] is None
 
     machine.trail.either([partial(run, block) for block in blocks], frame.variables)
@@ -82,7 +89,16 @@ def _yield(machine: Machine, node: Yield, frame: Frame) -> Outcome:
 def _raise(machine: Machine, node: Raise, frame: Frame) -> Outcome:
     if node.value is not None:
         machine.evaluate(node.value, frame)
-    return "raise"
+    if not machine.catching:
+        return "raise"
+    raise ThrownError(_thrown(node.value))
+
+
+def _thrown(value: Expr | None) -> str:
+    """Return the plain name of the exception that is raised."""
+    if isinstance(value, (Call, New)):
+        return _thrown(value.function) if isinstance(value, Call) else str(value.type)
+    return getattr(value, "name", None) or getattr(value, "id", None) or "an exception"
 
 
 def _try(machine: Machine, node: Try, frame: Frame) -> Outcome:
@@ -96,7 +112,10 @@ def _try(machine: Machine, node: Try, frame: Frame) -> Outcome:
         outcome = machine.execute(handlers[0], frame)
     elif handlers and thrown is None:
         branch(machine, frame, ((), *handlers))
-    return machine.execute(node.final, frame) or outcome
+    ended = machine.execute(node.final, frame)
+    if thrown is not None and not handlers:
+        raise ThrownError(thrown)
+    return ended or outcome
 
 
 def _attempt(machine: Machine, node: Try, frame: Frame) -> tuple[str | None, Outcome]:
@@ -129,7 +148,11 @@ def _global(_: Machine, node: Global, frame: Frame) -> Outcome:
     return None
 
 
-def _nothing(_: Machine, __: Delete, ___: Frame) -> Outcome:
+def _delete(machine: Machine, node: Delete, frame: Frame) -> Outcome:
+    for target in node.targets:
+        if isinstance(target, Index):
+            owner, key = machine.evaluate(target.owner, frame), machine.evaluate(target.key, frame)
+            remove(machine, owner, key)
     return None
 
 
@@ -139,7 +162,7 @@ EXECUTORS: Mapping[type, Callable[..., Outcome]] = {
     Continue: lambda machine, node, frame: "continue",
     Declare: _declare,
     Define: _define,
-    Delete: _nothing,
+    Delete: _delete,
     Evaluate: _evaluate,
     ForEach: iteration.for_each,
     Global: _global,

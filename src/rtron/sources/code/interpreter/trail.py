@@ -29,6 +29,12 @@ class Trail:
             self._log.append((place, key, place.get(key, MISSING)))
         place[key] = value
 
+    def remove(self, place: dict[Any, Any], key: Any) -> None:  # noqa: ANN401 - any key
+        """Take a key away where it can be put back."""
+        if self._depth:
+            self._log.append((place, key, place[key]))
+        del place[key]
+
     def either(self, branches: Sequence[Callable[[], bool]], locals_: dict[Any, Any]) -> None:
         """Run each branch from the same state, then let every place hold what any of them left.
 
@@ -41,7 +47,11 @@ class Trail:
         for key, (place, name) in written.items():
             before = place.get(name, MISSING)
             after = [w[key][2] if key in w else before for w in kept]
-            self.set(place, name, _joined([value for value in after if value is not MISSING]))
+            found = [value for value in after if value is not MISSING]
+            if found:
+                self.set(place, name, _joined(found))
+            elif name in place:
+                self.remove(place, name)
 
     def trial(self, branch: Callable[[], bool]) -> tuple[Writes, bool]:
         """Run a branch and take its writes back; return them, and what the branch returned."""
@@ -72,12 +82,19 @@ def _kept(writes: Writes, locals_: dict[Any, Any], *, goes_on: bool) -> Writes:
     return {key: write for key, write in writes.items() if write[0] is not locals_}
 
 
+def _all_items(values: list[tuple[Any, ...]]) -> tuple[Any, ...]:
+    """Return the items of every branch, each once."""
+    longest = max(values, key=len)
+    others = (item for value in values if value is not longest for item in value)
+    return (*longest, *(item for item in others if not any(item is o or item == o for o in longest)))
+
+
 def _joined(values: list[Any]) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag
     first = values[0] if values else None
     if all(value is first or value == first for value in values):
         return first
     if isinstance(first, tuple):
-        return max(values, key=len)
+        return _all_items(values)
     if isinstance(first, bool):
         return any(values)
     wanted: list[Value] = values

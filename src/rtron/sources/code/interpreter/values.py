@@ -81,11 +81,12 @@ class ListValue:
 class MapValue:
     """A dict or std::map; keys are the Known values' own, `OPEN` marks unknown further entries.
 
-    `pairs` marks a map of C++, whose items are pairs.
+    `pairs` marks a map of C++, whose items are pairs; `missing` makes what it has for a new key.
     """
 
     fields: dict[Any, "Value"] = field(default_factory=dict)
     pairs: bool = False
+    missing: Callable[[], "Value"] | None = None
 
     @property
     def entries(self) -> dict[Any, "Value"]:

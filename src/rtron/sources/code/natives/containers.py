@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.assignment import remove
 from rtron.sources.code.interpreter.element import element
 from rtron.sources.code.interpreter.items import items_of, listed, pair
 from rtron.sources.code.interpreter.machine import Machine
@@ -38,9 +39,15 @@ def _append(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
 def _push(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
     """`push_back`: an object of a class is copied, as C++ does."""
     item = arguments.get(0) or NONE
-    if isinstance(item, Instance) and isinstance(item.type, ClassValue):
-        item = Instance(item.type, dict(item.fields), item.types)
+    item = copied(item)
     return _write(machine, owner, (*owner.items, item))
+
+
+def copied(value: Value) -> Value:
+    """Return a C++ object of a scanned class as a new one, members and all."""
+    if isinstance(value, Instance) and isinstance(value.type, ClassValue):
+        return Instance(value.type, dict(value.fields), value.types, value.bindings)
+    return value
 
 
 def _extend(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
@@ -54,8 +61,30 @@ def _insert(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
     return _write(machine, owner, (*owner.items, arguments.get(1) or arguments.get(0) or NONE))
 
 
-def _pop(_: Machine, owner: ListValue, arguments: Arguments) -> Value:
-    return element(owner, arguments.get(0) or Known(-1)) if owner.items else Hole("pop")
+def _pop(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+    key = arguments.get(0) or Known(-1)
+    found = element(owner, key) if owner.items else Hole("pop")
+    remove(machine, owner, key)
+    return found
+
+
+def _remove_item(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+    wanted = arguments.get(0)
+    if wanted in owner.items and isinstance(wanted, Known):
+        remove(machine, owner, Known(owner.items.index(wanted)))
+    return NONE
+
+
+def _pop_entry(machine: Machine, owner: MapValue, arguments: Arguments) -> Value:
+    found = _get(machine, owner, arguments)
+    remove(machine, owner, arguments.get(0) or Hole("?"))
+    return found
+
+
+def _clear_map(machine: Machine, owner: MapValue, _: Arguments) -> Value:
+    for key in list(owner.fields):
+        machine.trail.remove(owner.fields, key)
+    return NONE
 
 
 def _clear(machine: Machine, owner: ListValue, _: Arguments) -> Value:
@@ -193,7 +222,13 @@ LIST: Methods = {
     "resize": _resize,
     "copy": _copied,
     "data": _copied,
-    **dict.fromkeys(("reserve", "sort", "reverse", "remove", "pop_back"), _nothing),
+    "remove": _remove_item,
+    "discard": _remove_item,
+    "pop_back": _pop,
+    "pop_front": lambda machine, owner, arguments: _pop(
+        machine, owner, Arguments(values=(Known(0),), frame=arguments.frame)
+    ),
+    **dict.fromkeys(("reserve", "sort", "reverse"), _nothing),
 }
 PYTHON_MAP: Methods = {
     "get": _get,
@@ -206,7 +241,8 @@ PYTHON_MAP: Methods = {
     "update": _update,
     "setdefault": _set_default,
     "has_key": _has_key,
-    "pop": _get,
+    "pop": _pop_entry,
+    "clear": _clear_map,
 }
 CPP_MAP: Methods = {
     "at": partial(_get),
@@ -219,6 +255,8 @@ CPP_MAP: Methods = {
     "size": _map_size,
     "empty": _map_empty,
     "hasMember": _has_key,
+    "erase": _pop_entry,
+    "clear": _clear_map,
 }
 
 

@@ -6,6 +6,7 @@ from functools import partial
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
+    NONE,
     FunctionValue,
     Hole,
     Instance,
@@ -327,6 +328,7 @@ _NODELET = NativeClass(
 )
 _NODELET_LOADER = NativeClass("nodelet::Loader", _nodelet_loader)
 
+_POINTER = NativeClass("pointer", lambda machine, arguments: arguments.get(0) or NONE)
 _RECEIVE = partial(_transforms, _SUBSCRIBE, False)
 _SEND = partial(_transforms, _PUBLISH, False)
 _SEND_STATIC = partial(_transforms, _PUBLISH, True)
@@ -368,6 +370,7 @@ CPP_ROS_CLASSES: dict[str, NativeClass] = {
     **dict.fromkeys(("ros::ServiceClient", "ros::Timer", "ros::WallTimer"), ENDPOINT),
     **dict.fromkeys(("image_transport::Publisher", "image_transport::Subscriber"), ENDPOINT),
     **dict.fromkeys(("image_transport::CameraPublisher", "image_transport::CameraSubscriber"), ENDPOINT),
+    **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _POINTER),
     "nodelet_topic_tools::NodeletLazy": _NODELET,
     "CameraInfoManager": _CAMERA_INFO,
 }

@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.calling import dispatch
 from rtron.sources.code.interpreter.items import items_of, listed, pair
 from rtron.sources.code.interpreter.iterators import ITERATOR
-from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.operations import percent
 from rtron.sources.code.interpreter.values import (
     NONE,
@@ -39,7 +40,9 @@ _NUMBERS: Mapping[str, object] = {
 
 
 def _text(_: Machine, arguments: Arguments) -> Value:
-    given = arguments.get(0)
+    given, letter = arguments.get(0), arguments.get(1)
+    if isinstance(given, Known) and isinstance(given.value, int) and isinstance(letter, Known):
+        return Known(str(letter.value) * max(0, min(given.value, 256)))
     return Known("") if given is None else given
 
 
@@ -49,10 +52,20 @@ def _number(name: str, _: Machine, arguments: Arguments) -> Value:
     return Hole(name) if given is None else given
 
 
-def _vector(_: Machine, arguments: Arguments) -> Value:
+def _as_item(machine: Machine, item: Value, arguments: Arguments, at: int = 0) -> Value:
+    """Return what braces make of an element: `{"a", 1}` in a vector of pairs or structs."""
+    if not isinstance(item, ListValue) or len(arguments.types) <= at:
+        return item
+    inner = Arguments(values=item.items, line=arguments.line, frame=arguments.frame)
+    made = machine.world.make(arguments.types[at], inner)
+    return item if isinstance(made, Hole) else made
+
+
+def _vector(machine: Machine, arguments: Arguments) -> Value:
     given = arguments.get(0)
     if isinstance(given, ListValue):
-        return ListValue(dict(given.fields))
+        items = tuple(_as_item(machine, item, arguments) for item in given.items)
+        return ListValue({**given.fields, "items": items})
     if isinstance(given, Known) and isinstance(given.value, int) and len(arguments.values) <= 2:  # noqa: PLR2004
         fill = arguments.get(1) or Hole("item")
         return listed([fill] * max(0, min(given.value, 256)))
@@ -68,23 +81,32 @@ def _is_item(value: Value) -> bool:
     return isinstance(value, Text) or (isinstance(value, Instance) and value.type is not ITERATOR)
 
 
-def _map(_: Machine, arguments: Arguments) -> Value:
-    made = MapValue(pairs=True)
+def _map(machine: Machine, arguments: Arguments) -> Value:
+    made = MapValue(pairs=True, missing=_missing(machine, arguments))
     given = arguments.get(0)
     if isinstance(given, MapValue):
-        return MapValue(dict(given.fields), pairs=True)
+        return MapValue(dict(given.fields), pairs=True, missing=made.missing)
     pairs = items_of(given)[0] if given is not None and len(arguments.values) == 1 else ()
     for item in pairs or arguments.values:
         key, value = (*items_of(item)[0], Hole("?"), Hole("?"))[:2]
-        made.fields[key.value if isinstance(key, Known) else OPEN] = value
+        entry = _as_item(machine, value, arguments, 1)
+        made.fields[key.value if isinstance(key, Known) else OPEN] = entry
     return made
+
+
+def _missing(machine: Machine, arguments: Arguments) -> Callable[[], Value] | None:
+    """`m[key]` makes a default of the mapped type where there is no entry (std::map)."""
+    if len(arguments.types) < 2:  # noqa: PLR2004 - key and value
+        return None
+    return partial(machine.world.default, arguments.types[1], arguments.frame)
 
 
 def _array(machine: Machine, arguments: Arguments) -> Value:
     """`T name[n]`: as many as it says of what T is by default."""
     given = arguments.get(0)
     if isinstance(given, ListValue):
-        return given
+        items = tuple(_as_item(machine, item, arguments) for item in given.items)
+        return ListValue({**given.fields, "items": items})
     types = arguments.types
     size = int(types[1].name) if len(types) > 1 and types[1].name.isdigit() else 0
     element: Value = Hole("item")
@@ -277,9 +299,28 @@ def _system(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 
 def _for_each(machine: Machine, _: object, arguments: Arguments) -> Value:
-    for value in arguments.values:
-        machine.escape(value)
+    """`std::for_each(xs.begin(), xs.end(), function)`."""
+    start, function = arguments.get(0), arguments.get(2) or NONE
+    if isinstance(start, Instance) and start.type is ITERATOR and "items" in start.fields:
+        items = start.fields["items"]
+        for item in items.fields.values() if isinstance(items, Instance) else ():
+            given = Arguments(values=(item,), line=arguments.line, frame=arguments.frame)
+            dispatch(machine, function, given)
+    machine.escape(function)
     return NONE
+
+
+def _exit(machine: Machine, _: object, __: Arguments) -> Value:
+    """The program ends here."""
+    raise ThrownError("SystemExit")
+
+
+def _joined(_: Machine, __: object, arguments: Arguments) -> Value:
+    """`boost::algorithm::join(words, separator)`."""
+    items, certain = items_of(arguments.get(0) or NONE)
+    separator = arguments.get(1) or Known("")
+    spread = [part for item in items for part in (separator, item)]
+    return concat(spread[1:]) if certain else Hole("join")
 
 
 def _split(machine: Machine, _: object, arguments: Arguments) -> Value:
@@ -355,6 +396,13 @@ _MAKERS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("thread", "async"), _thread),
     "function": _function,
 }
+def _get_item(_: Machine, __: object, arguments: Arguments) -> Value:
+    """`std::get<0>(tuple)`."""
+    at = arguments.types[0].name if arguments.types else ""
+    items, _certain = items_of(arguments.get(0) or NONE)
+    return items[int(at)] if at.isdigit() and int(at) < len(items) else Hole("get")
+
+
 _CALLS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("make_shared", "make_unique"), _make_shared),
     **dict.fromkeys(("move", "ref", "cref", "forward", "static_pointer_cast", "dynamic_pointer_cast"), _same),
@@ -367,6 +415,12 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "stoi": partial(_parsed, int),
     "stod": partial(_parsed, float),
     "for_each": _for_each,
+    "join": _joined,
+    "exit": _exit,
+    "abort": _exit,
+    "quick_exit": _exit,
+    "make_tuple": lambda machine, _, arguments: listed(arguments.values, "tuple"),
+    "get": _get_item,
     "split": _split,
     "is_any_of": _same,
     "str": _text_of,
@@ -386,6 +440,7 @@ def _functions() -> dict[str, Native]:
         "snprintf": partial(_sprintf, 2),
         "atoi": partial(_parsed, int),
         "atof": partial(_parsed, float),
+        **dict.fromkeys(("exit", "_exit", "abort"), _exit),
         "getenv": _getenv,
         "std::getenv": _getenv,
         "system": _system,

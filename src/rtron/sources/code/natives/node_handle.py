@@ -20,6 +20,7 @@ from rtron.sources.code.interpreter.values import (
     Placeholder,
     Value,
     concat,
+    join,
     options,
     truth,
 )
@@ -173,9 +174,7 @@ def param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     written = len(arguments.values) > 2  # noqa: PLR2004 - name, variable, default
     default = arguments.get(2 if written else 1) or _UNKNOWN
     found = _of_cpp(parameter(machine, in_handle(machine, owner, arguments.get(0))))
-    missing = found is None or isinstance(found, Hole)
-    value = _as_parameter(default) if missing else found
-    assert value is not None  # noqa: S101 - found is set where it is not missing
+    value = or_default(found, default)
     place = arguments.place(1)
     if not written:
         return value
@@ -192,6 +191,13 @@ def _of_cpp(value: Value | None) -> Value | None:
     if isinstance(value, ListValue):
         return listed([_of_cpp(item) or NONE for item in value.items])
     return value
+
+
+def or_default(found: Value | None, default: Value) -> Value:
+    """Return a parameter's value, the default where it is not set, both where nobody knows."""
+    if found is None:
+        return _as_parameter(default)
+    return join((_as_parameter(default), found)) if isinstance(found, Hole) else found
 
 
 def _as_parameter(value: Value) -> Value:

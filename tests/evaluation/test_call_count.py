@@ -1,0 +1,49 @@
+"""Calls, counted by their place."""
+
+import pytest
+from evaluation.call_count import count_calls, is_explained
+
+from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface
+from rtron.vocabulary import Evidence
+
+PUBLISH, SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
+
+
+def declared(name, line, kind=PUBLISH, **more):
+    return Declaration(kind=kind, name=name, evidence=(Evidence(file="a.cpp", line=line),), **more)
+
+
+def counted(*declarations):
+    found = count_calls(NodeInterface(declarations=declarations))
+    return len(found.calls), len(found.unresolved)
+
+
+@pytest.mark.parametrize(
+    ("name", "explained"),
+    [
+        ("/scan", True),
+        ("/{~prefix}/scan", True),
+        ("/{/robot/name}/{~prefix}", True),
+        ("/{{~name}}", True),
+        ("/{?}", False),
+        ("/{}", False),
+        ("/{~prefix}/{i}", False),
+        ("/{/robot/{?}/name}", False),
+    ],
+)
+def test_a_parameter_explains_a_name_and_nothing_else_does(name, explained):
+    assert is_explained(name) is explained
+
+
+def test_a_place_is_one_call_however_many_names_it_declares():
+    assert counted(declared("/a", 1), declared("/b", 1)) == (1, 0)
+    assert counted(declared("/a", 1), declared("/a", 2)) == (2, 0)
+    assert counted(declared("/a", 1), declared("/a", 1, SUBSCRIBE)) == (2, 0)
+
+
+def test_one_unknown_name_makes_its_call_unresolved():
+    assert counted(declared("/a", 1), declared("/{?}", 1), declared("/b", 2)) == (2, 1)
+
+
+def test_what_a_library_declares_is_no_call():
+    assert counted(declared("/tf", 1, implicit=True), declared("/{?}", 2, implicit=True)) == (0, 0)

@@ -1,0 +1,58 @@
+"""Figures and where the apps lie."""
+
+import json
+
+import pytest
+from evaluation.figure import Figure
+from evaluation.place import AbsentError, place
+from evaluation.table import write
+
+
+@pytest.mark.parametrize(
+    ("ours", "at_least", "at_most", "met"),
+    [
+        (1, None, None, None),
+        (1, 1, None, True),
+        (0.99, 1, None, False),
+        (1, None, 1, True),
+        (1.01, None, 1, False),
+        (1, 0, 2, True),
+        (3, 0, 2, False),
+    ],
+)
+def test_bounds(ours, at_least, at_most, met):
+    assert Figure("x", ours, None, "share", at_least, at_most).met is met
+
+
+@pytest.mark.parametrize(("peer", "ratio"), [(None, None), (0, None), (2, 0.5)])
+def test_the_ratio_needs_a_peer(peer, ratio):
+    assert Figure("x", 1, peer, "share").ratio == ratio
+
+
+def test_figures_of_other_parts_are_kept(tmp_path):
+    path = tmp_path / "build" / "eval.json"
+    write([Figure("a", 1, 2, "share")], path, keep=False)
+    write([Figure("b", 3, None, "s")], path, keep=True)
+    written = json.loads(path.read_text())
+    assert written["a"] == {"ours": 1, "peer": 2, "ratio": 0.5, "unit": "share"}
+    assert list(written) == ["a", "b"]
+    write([Figure("c", 1, None, "s")], path, keep=False)
+    assert list(json.loads(path.read_text())) == ["c"]
+
+
+def test_what_is_absent_is_named(tmp_path):
+    (tmp_path / "me" / "app@1").mkdir(parents=True)
+    here = place({"RTRON_APPS": str(tmp_path)})
+    assert [path.name for path in here.repositories(["me/app@1"])] == ["app@1"]
+    assert [path.name for path in here.present(["me/app@1", "me/other@2"])] == ["app@1"]
+    with pytest.raises(AbsentError, match="other@2"):
+        here.repositories(["me/app@1", "me/other@2"])
+    with pytest.raises(AbsentError, match="RTRON_DATA"):
+        here.truth("x.yaml")
+
+
+def test_without_the_variables_all_is_absent(tmp_path):
+    with pytest.raises(AbsentError, match="RTRON_APPS"):
+        place({}).all_repositories()
+    with pytest.raises(AbsentError, match=r"groundtruth/x\.yaml"):
+        place({"RTRON_DATA": str(tmp_path)}).truth("x.yaml")
