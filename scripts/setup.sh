@@ -9,7 +9,10 @@ RUN_PACKAGES=(
   python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs python3-sensor-msgs
   python3-std-msgs python3-tf2-msgs
 )
-TEST_PACKAGES=(g++ libgeometry-msgs-dev libroscpp-dev libstd-msgs-dev make pkg-config)
+TEST_PACKAGES=(
+  chromium chromium-driver fonts-dejavu-core g++ libgeometry-msgs-dev libroscpp-dev libstd-msgs-dev
+  make pkg-config
+)
 READY=.venv/.ready
 
 installed() {

@@ -1,12 +1,19 @@
 import json
+from types import SimpleNamespace
 
 import pytest
+
+from rtron.cli.launch_names import complete_launch
+from rtron.sources.declaration import NodeSite
+from rtron.sources.models import Model, interface
+from rtron.sources.models.read import read_form
+from rtron.vocabulary import Evidence, Parameter, Parameters
 
 LAUNCH = """<launch><arg name="speed"/><arg name="topic" default="cmd_vel"/>
 <node pkg="robot" type="drive.py" name="a"><remap from="cmd_vel" to="$(arg topic)"/></node>
 <node pkg="robot" type="drive.py" name="b"/>
 <node pkg="robot" type="base.py" name="base"/>
-<node pkg="robot" type="$(env KIND).py" name="kind"/>
+<node pkg="robot" type="$(env KIND).py" name="kind" args="$(arg speed)"/>
 </launch>"""
 PLAIN = '<launch><node pkg="robot" type="base.py" name="base"/></launch>'
 DRIVE = """#!/usr/bin/env python
@@ -129,7 +136,11 @@ def test_a_plan_of_an_app_in_source(rtron, folder, tmp_path):
     ("arguments", "said", "help"),
     [
         (["--launch", "robot/ap.launch"], "no launch file robot/ap.launch", "robot/app.launch"),
-        (["--launch", "robot/app.launch"], "needs a value for speed", "speed:=…"),
+        (
+            ["--launch", "robot/app.launch", "--env", "KIND=x"],
+            "needs a value for speed",
+            "speed:=…",
+        ),
         (["--launch", ""], "no launch file", ""),
         (["--launch", "robot/broken.launch"], "broken.launch", ""),
         (["--launch", "robot/plain.launch 'x"], "quotation", "quote"),
@@ -145,7 +156,7 @@ def test_bad_arguments_are_2_and_say_what_to_do(rtron, folder, arguments, said, 
     ran = rtron("scan", folder, *arguments)
     assert (ran.code, ran.out) == (2, "")
     assert said in ran.err
-    assert "\nhelp: " in ran.err
+    assert not help or "\nhelp: " in ran.err
     assert help in ran.err
 
 
@@ -156,10 +167,6 @@ def test_a_folder_without_launch_files_is_2(rtron, folder):
 
 
 def test_launch_names_are_completed(folder, monkeypatch):
-    from types import SimpleNamespace
-
-    from rtron.cli.launch_names import complete_launch
-
     context = SimpleNamespace(params={"inputs": [str(folder)]}, args=[])
     assert complete_launch(context, "robot/p") == ["robot/plain.launch"]
     monkeypatch.chdir(folder)
@@ -181,11 +188,6 @@ rospy.Publisher(input(), String)
 
 
 def test_a_drafted_model_is_a_model(rtron, folder, tmp_path):
-    from rtron.sources.declaration import NodeSite
-    from rtron.sources.models import Model, interface
-    from rtron.sources.models.read import read_form
-    from rtron.vocabulary import Evidence, Parameter, Parameters
-
     (folder / "scripts/talk.py").write_text(SCRIPT)
     ran = rtron("model", "draft", folder / "scripts/talk.py", "-o", tmp_path / "talk.yaml")
     assert (ran.code, ran.out) == (0, "")

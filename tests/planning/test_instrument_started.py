@@ -181,13 +181,19 @@ def test_a_prefix_that_an_expression_chooses_is_refused(app):
         app.start("ws/nav/launch/a.launch").guard()
 
 
-def test_the_guarded_launch_in_a_mirrored_package_makes_no_loop(app):
-    app.out = app.folder / "ws/core/nodes/deep/guarded.launch"
-    app.start("ws/nav/launch/a.launch").written()
+def test_no_link_leads_back_to_the_guarded_launch(app):
+    app.out = app.folder / "ws" / "deep" / "guarded.launch"
+    app.write("ws/deep/file", "").start("ws/nav/launch/a.launch").written()
     app.written()
-    found = [folder for folder, _, _ in os.walk(app.overlay, followlinks=True)]
-    assert len(found) < 20
-    assert "overlay" not in {Path(folder).name for folder in found[1:]}
+    found = [Path(folder).name for folder, _, _ in os.walk(app.overlay, followlinks=True)]
+    assert {"core", "nav", "beside", "deep"} <= set(found)
+    assert "guarded.d" not in found
+
+
+def test_a_copied_package_cannot_hold_its_copy(app):
+    app.out = app.folder / "ws/core/deep/guarded.launch"
+    with pytest.raises(InputError, match="to be copied"):
+        app.start("ws/nav/launch/a.launch").guard()
 
 
 def test_the_copies_are_no_packages_of_the_workspace(app):
@@ -224,7 +230,11 @@ def test_a_path_that_stands_in_the_program_is_out_of_reach(app):
     ("attribute", "child", "given"),
     [
         (' args="$(find nav)/launch/a.launch"', "", "its arguments"),
-        ("", '<param name="file" value="$(find nav)/launch/a.launch"/>', "the parameter /start/file"),
+        (
+            "",
+            '<param name="file" value="$(find nav)/launch/a.launch"/>',
+            "the parameter /start/file",
+        ),
         ("", '<env name="NAV" value="$(find nav)"/>', "$NAV"),
     ],
 )

@@ -75,7 +75,7 @@ def test_without_the_guard_the_started_attacker_reaches_the_driver(ros1, launch)
 
 
 def test_rospack_and_rospkg_find_the_copy_first_and_only_where_it_should_be(ros1, launch):
-    out = ros1.folder / "src" / "start_core" / "guarded.launch"
+    out = ros1.folder / "src" / "guarded.launch"
     instrument(ros1, launch, out)
     command = f"{out.with_suffix('.d')}/starter"
     ask = "import rospkg; print(rospkg.RosPack().get_path('start_nav'))"

@@ -48,9 +48,13 @@ class Overlay:
         links = mirror_links(self.root, changed, left_out)
         return {self.folder / OVERLAY / self._below(link): link for link in links}
 
+    def packages(self) -> list[Path]:
+        """Return the packages that are copied."""
+        return list(dict.fromkeys(place.package for place in self._changed))
+
     def script(self) -> str:
         """Return the launch-prefix of the nodes that start launch files."""
-        packages = dict.fromkeys(self._below(place.package) for place in self._changed)
+        packages = [self._below(package) for package in self.packages()]
         programs = {
             place.path: (f"{node.package}/{node.type}", self._below(place.path))
             for place, node in self.programs.items()

@@ -31,12 +31,9 @@ def overlay_files(
 ) -> Overlaid:
     """Return the overlay in `folder` for the launch files that nodes start.
 
-    `left_out` is what the guarded launch replaces itself. Raise InputError for a folder whose name
-    cannot stand in ROS_PACKAGE_PATH, or for packages that cannot be mirrored.
+    `left_out` is what the guarded launch replaces itself. Raise InputError for a folder that
+    cannot hold the packages, or for packages that cannot be mirrored.
     """
-    if ":" in str(folder):
-        help = "choose a folder with no colon in its name, as ROS_PACKAGE_PATH separates by it"
-        raise InputError("cannot hold packages", path=str(folder), help=help)
     files = _files(found)
     launches = {place: file for place, file in files.items() if copies.changes(file)}
     overlay = Overlay(
@@ -46,6 +43,7 @@ def overlay_files(
         modules=found.modules,
         seen=files,
     )
+    _check_folder(folder, overlay)
     texts = {
         at: copies.started(file, f"/{os.path.relpath(folder, at.parent)}")
         for at, file in ((overlay.at(place), file) for place, file in launches.items())
@@ -55,6 +53,16 @@ def overlay_files(
         copies=overlay.copies(),
         links=overlay.links([path.parent.resolve() / path.name for path in left_out]),
     )
+
+
+def _check_folder(folder: Path, overlay: Overlay) -> None:
+    """Refuse a folder in a copied package: roslaunch finds a file twice below the package."""
+    if ":" in str(folder):
+        help = "choose a folder with no colon in its name, as ROS_PACKAGE_PATH separates by it"
+        raise InputError("cannot hold packages", path=str(folder), help=help)
+    if any(folder.resolve().is_relative_to(package) for package in overlay.packages()):
+        help = "write the guarded launch outside of the app's packages"
+        raise InputError("lies in a package that is to be copied", path=str(folder), help=help)
 
 
 def _files(found: Reachable) -> dict[PackagePlace, LaunchFile]:

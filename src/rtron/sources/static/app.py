@@ -1,6 +1,7 @@
 """From folders and launch files to the interaction graph of the app that they start."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -21,10 +22,10 @@ from rtron.sources.static.structure import workspace_state
 from rtron.sources.static.task import Task, TaskResult
 from rtron.sources.workspace import Workspace, read_workspace
 from rtron.sources.xacro import RobotDescriptions
-from rtron.vocabulary import InteractionGraph, LaunchTree, Parameters, Unresolved
+from rtron.vocabulary import Evidence, InteractionGraph, LaunchTree, Parameters, Unresolved
 
 MAX_ROUNDS = 8
-MAX_LAUNCHES = 200
+MAX_STARTED = 1000
 
 Launch: TypeAlias = tuple[Path, Mapping[str, str]]
 
@@ -99,6 +100,9 @@ class _Scan:
             trees = self._read_more(trees, launches, files)
             for tree, file in zip(trees[len(trees) - len(files) :], files, strict=True):
                 waiting.extend(self._launched(tree, file.by))
+        for node in waiting:
+            why = f"what starts it was started itself, and so on, {MAX_ROUNDS} deep"
+            self._note(f"node {node.name}", why, node.evidence)
         return self._result(trees)
 
     def _read(self, launches: Sequence[Launch]) -> tuple[LaunchTree, ...]:
@@ -110,6 +114,10 @@ class _Scan:
         self, trees: tuple[LaunchTree, ...], launches: Sequence[Launch], files: list[StartedFile]
     ) -> tuple[LaunchTree, ...]:
         """Return the trees with those of more files; one that cannot be read leaves `files`."""
+        with suppress(InputError):
+            trees = self._read([*launches, *_launches([*self.started, *files])])
+            self.started.extend(files)
+            return trees
         for file in tuple(files):
             more = self._tried(launches, file)
             if more is None:
@@ -122,12 +130,10 @@ class _Scan:
     def _tried(
         self, launches: Sequence[Launch], file: StartedFile
     ) -> tuple[LaunchTree, ...] | None:
-        started = [(one.path, dict(one.args)) for one in (*self.started, file)]
         try:
-            return self._read([*launches, *started])
+            return self._read([*launches, *_launches([*self.started, file])])
         except InputError as error:
-            what = f"launch {file.path.name} that {file.by} starts"
-            self.notes.append(Unresolved(what=what, why=str(error), evidence=(file.evidence,)))
+            self._note(f"launch {file.path.name} that {file.by} starts", str(error), file.evidence)
             return None
 
     def _launched(self, tree: LaunchTree, started_by: str) -> list[AppNode]:
@@ -177,20 +183,28 @@ class _Scan:
         for part, started in ((p, s) for p in parts for s in p.interface.starts):
             if started.args[:1] == (ROSRUN,):
                 node = started_node(started, part, parameters)
-                if self._is_new((node.package, node.type, node.name, node.site.args)):
+                if self._is_new(
+                    (node.package, node.type, node.name, node.site.args), node.evidence
+                ):
                     nodes.append(node)
                 continue
             file = started_file(started, part, self.workspace)
             if isinstance(file, Unresolved):
                 self.notes.append(file)
-            elif self._is_new((file.path, file.args)):
+            elif self._is_new((file.path, file.args), file.evidence):
                 files.append(file)
         return files, nodes
 
-    def _is_new(self, key: tuple[object, ...]) -> bool:
-        new = key not in self._seen and len(self._seen) < MAX_LAUNCHES
+    def _is_new(self, key: tuple[object, ...], place: Evidence) -> bool:
+        if key in self._seen:
+            return False
         self._seen.add(key)
-        return new
+        if len(self._seen) > MAX_STARTED:
+            self._note("what nodes start", f"more than {MAX_STARTED} launches and nodes", place)
+        return len(self._seen) <= MAX_STARTED
+
+    def _note(self, what: str, why: str, place: Evidence) -> None:
+        self.notes.append(Unresolved(what=what, why=why, evidence=(place,)))
 
     def _result(self, trees: tuple[LaunchTree, ...]) -> StaticApp:
         simulation = Simulation(
@@ -226,3 +240,7 @@ class _Scan:
 
 def _parameters(trees: Sequence[LaunchTree]) -> Parameters:
     return trees[0].parameters if trees else Parameters()
+
+
+def _launches(files: Iterable[StartedFile]) -> list[Launch]:
+    return [(file.path, dict(file.args)) for file in files]

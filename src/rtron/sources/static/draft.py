@@ -70,7 +70,8 @@ def _program_of(path: Path, package: str, workspace: Workspace) -> Program:
     if language is None or not path.is_file():
         help = "give a node's script, or the source with its main function"
         raise InputError("is no program's source", path=str(path), help=help)
-    return Program(name=path.stem, package=package, language=language, sources=(path,))
+    name = path.name if language is Language.PYTHON else path.stem
+    return Program(name=name, package=package, language=language, sources=(path,))
 
 
 def _entries(found: NodeInterface, own: str, folder: Path) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """Writes to variables, members and elements."""
 
 from rtron.sources.code.interpreter.frame import Frame, Place
-from rtron.sources.code.interpreter.items import unpacked
+from rtron.sources.code.interpreter.items import unpacked, unpacked_around
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     OPEN,
@@ -15,7 +15,7 @@ from rtron.sources.code.interpreter.values import (
     join,
     options,
 )
-from rtron.sources.code.ir import Attr, Expr, Index, Name, Sequence
+from rtron.sources.code.ir import Attr, Expr, Index, Name, Sequence, Star
 
 
 def assign(machine: Machine, target: Expr, value: Value, frame: Frame) -> None:
@@ -23,8 +23,10 @@ def assign(machine: Machine, target: Expr, value: Value, frame: Frame) -> None:
     if isinstance(target, Name):
         machine.trail.set(*machine.world.place(target.id, frame), value)
     elif isinstance(target, Sequence):
-        for item, part in zip(target.items, unpacked(value, len(target.items)), strict=True):
+        for item, part in zip(target.items, _parts(target, value), strict=True):
             assign(machine, item, part, frame)
+    elif isinstance(target, Star):
+        assign(machine, target.value, value, frame)
     elif isinstance(target, Attr):
         _assign_member(machine, target, value, frame)
     elif isinstance(target, Index):
@@ -48,6 +50,13 @@ def _place_of_element(machine: Machine, node: Index, frame: Frame) -> Place | No
     if isinstance(owner, MapValue) and isinstance(key, Known):
         return Place(owner.fields, key.value)
     return None
+
+
+def _parts(target: Sequence, value: Value) -> tuple[Value, ...]:
+    stars = [at for at, item in enumerate(target.items) if isinstance(item, Star)]
+    if not stars:
+        return unpacked(value, len(target.items))
+    return unpacked_around(value, stars[0], len(target.items) - stars[0] - 1)
 
 
 def _assign_member(machine: Machine, target: Attr, value: Value, frame: Frame) -> None:

@@ -84,7 +84,16 @@ def _binary(machine: Machine, node: Binary, frame: Frame) -> Value:
         places = (place_of(machine, node.right, frame),)
         arguments = Arguments(values=(right,), places=places, line=node.line, frame=frame)
         return dispatch(machine, overloaded, arguments)
+    if node.operator == ">>" and machine.world.by_reference and not isinstance(left, Known):
+        _read_into(machine, node.right, frame)
     return binary(node.operator, left, right)
+
+
+def _read_into(machine: Machine, target: Expr, frame: Frame) -> None:
+    """`stream >> variable` of a stream nobody knows."""
+    place = place_of(machine, target, frame)
+    if place is not None:
+        machine.trail.set(*place, Hole(str(place.key)))
 
 
 def _overloaded(machine: Machine, node: Binary, left: Value) -> Value | None:

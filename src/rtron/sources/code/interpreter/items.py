@@ -1,7 +1,10 @@
 """What a loop over a value sees."""
 
+from collections.abc import Iterator
+
 from rtron.sources.code.interpreter.values import (
     Choice,
+    ClassValue,
     Hole,
     Instance,
     Known,
@@ -27,9 +30,18 @@ def items_of(value: Value, name: str = "?") -> tuple[tuple[Value, ...], bool]:
         return _entries(value), not value.open
     if isinstance(value, Instance) and value.type is PAIR:
         return (value.fields["first"], value.fields["second"]), True
+    if isinstance(value, Instance) and is_record(value.type):
+        return tuple(value.fields.values()), True
+    if isinstance(value, ClassValue):
+        return tuple(_members(value)), True
     if isinstance(value, Known) and isinstance(value.value, str):
         return tuple(Known(letter, value.tainted) for letter in value.value), True
     return (), value == Known(None)
+
+
+def is_record(type: object) -> bool:
+    """Tell whether a class is a namedtuple, whose objects have their items for fields."""
+    return isinstance(type, NativeClass) and "_asdict" in type.methods
 
 
 def pair(first: Value, second: Value) -> Instance:

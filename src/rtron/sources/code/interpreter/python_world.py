@@ -1,16 +1,18 @@
 """Python's names, modules, classes and calls."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
-from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.arguments import Arguments, NativeCall
 from rtron.sources.code.interpreter.binding import bind
 from rtron.sources.code.interpreter.calling import dispatch
 from rtron.sources.code.interpreter.files import Files
 from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
+    NONE,
     ClassValue,
     Foreign,
     FunctionValue,
@@ -39,6 +41,7 @@ from rtron.sources.code.ir import (
     Unit,
 )
 from rtron.sources.code.natives.containers import LIST, PYTHON_MAP, bound
+from rtron.sources.code.natives.enums import ENUM, member, with_members
 from rtron.sources.code.natives.messages import is_message_package, message_type
 from rtron.sources.code.natives.strings import PYTHON_TEXT, text_method
 
@@ -50,7 +53,7 @@ class PythonWorld:
     """The modules of one program; `natives` are the libraries that RTron knows."""
 
     files: Files
-    natives: Mapping[str, Native | NativeClass]
+    natives: Mapping[str, Value]
     builtins: Mapping[str, Value]
     machine: Machine = field(init=False)
     _modules: dict[Path, ModuleValue] = field(default_factory=dict)
@@ -102,12 +105,14 @@ class PythonWorld:
         del types
         if isinstance(owner, Instance):
             return self._of_instance(owner, name)
-        if isinstance(owner, ClassValue):
-            return self._of_class(owner, name)
+        if isinstance(owner, (ClassValue, NativeClass)):
+            return _of_no_instance(owner, self._of_class(owner, name))
         if isinstance(owner, ModuleValue):
             return owner.fields.get(name) or self._submodule(owner, name)
         if isinstance(owner, Foreign):
             return self._foreign(f"{owner.name}.{name}")
+        if isinstance(owner, Native):
+            return self.natives.get(f"{owner.name}.{name}")
         if isinstance(owner, ListValue):
             return bound(LIST, owner, name)
         if isinstance(owner, MapValue):
@@ -135,7 +140,7 @@ class PythonWorld:
         else:
             value = FunctionValue(node.what, closure=frame)
         for decorator in reversed(node.decorators):
-            value = self._decorated(self.machine.evaluate(decorator, frame), value)
+            value = self._decorated(self.machine.evaluate(decorator, frame), value, frame)
         self.machine.trail.set(*self.place(node.what.name, frame), value)
 
     def import_(self, node: Import, frame: Frame) -> None:
@@ -156,7 +161,7 @@ class PythonWorld:
         given = called.given if called.owner is None else (called.owner, *called.given)
         passed = Arguments(
             values=(*given, *arguments.values),
-            keywords=arguments.keywords,
+            keywords={**called.named, **arguments.keywords},
             line=arguments.line,
             frame=arguments.frame,
         )
@@ -176,6 +181,8 @@ class PythonWorld:
         """Make an object and run its `__init__`."""
         if not isinstance(called, ClassValue):
             return Hole("object")
+        if ENUM in self.lineage(called):
+            return member(called, arguments.get(0) or Hole("?"))
         made = Instance(called)
         self.machine.instances.append(made)
         init = self._of_instance(made, "__init__")
@@ -209,14 +216,15 @@ class PythonWorld:
             return dispatch(self.machine, getter, Arguments(values=(owner,), frame=frame))
         return _bound_to(owner, found)
 
-    def _of_class(self, owner: ClassValue, name: str) -> Value | None:
+    def _of_class(self, owner: ClassValue | NativeClass, name: str) -> Value | None:
+        """Return what stands in a class, unbound: a native method has its class for owner."""
         if name == "__name__":
             return Known(owner.name)
         for cls in self.lineage(owner):
             if isinstance(cls, ClassValue) and name in cls.fields:
                 return _with_class(cls.fields[name], cls)
             if isinstance(cls, NativeClass) and name in cls.methods:
-                return Native(name, cls.methods[name], owner)
+                return Native(name, cls.methods[name], cls)
         return None
 
     def _class(self, definition: Class, frame: Frame) -> ClassValue:
@@ -226,16 +234,17 @@ class PythonWorld:
         )
         body = Frame(file=frame.file, closure=frame)
         self.machine.execute(definition.body, body)
-        return ClassValue(definition, bases, body.variables, closure=frame)
+        made = ClassValue(definition, tuple(map(_as_class, bases)), body.variables, closure=frame)
+        return with_members(made) if ENUM in self.lineage(made) else made
 
-    def _decorated(self, decorator: Value, value: Value) -> Value:
+    def _decorated(self, decorator: Value, value: Value, frame: Frame) -> Value:
         if isinstance(decorator, Foreign):
-            kind = {"property": PROPERTY, "staticmethod": STATIC, "classmethod": CLASSWISE}
-            found = kind.get(decorator.name)
+            found = _DESCRIPTORS.get(decorator.name)
             return Instance(found, {"getter": value}) if found else value
-        if isinstance(decorator, FunctionValue):
-            self.machine.escape(value)
-        return value
+        if not isinstance(decorator, (FunctionValue, Native, ClassValue)):
+            return value
+        made = dispatch(self.machine, decorator, Arguments(values=(value,), frame=frame))
+        return value if isinstance(made, Hole) or made == NONE else made
 
     def _module(self, dotted: str, importer: Path) -> Value:
         top = dotted.partition(".")[0]
@@ -317,18 +326,47 @@ def _bound_to(owner: Instance, found: Value | None) -> Value | None:
         return found.fields["getter"]
     if isinstance(found, Instance) and found.type is CLASSWISE:
         return _bound_function(found.fields["getter"], owner.type)
+    if isinstance(found, Native) and isinstance(found.owner, NativeClass):
+        return replace(found, owner=owner)
     return _bound_function(found, owner) if found is not None else None
+
+
+def _of_no_instance(cls: ClassValue | NativeClass, found: Value | None) -> Value | None:
+    """Return a member as the class itself has it: `Class.method(owner, …)`."""
+    if isinstance(found, Instance) and found.type in {STATIC, CLASSWISE}:
+        return _bound_to(Instance(cls), found)
+    if isinstance(found, Native) and isinstance(found.owner, NativeClass):
+        return Native(found.name, partial(_on_first, found.call))
+    return found
+
+
+def _on_first(method: NativeCall, machine: Machine, _: object, arguments: Arguments) -> Value:
+    return method(machine, arguments.get(0), arguments.shifted(1))
+
+
+def _as_class(base: Value) -> Value:
+    """Return the class that a library's function stands for which makes objects."""
+    if not isinstance(base, Native):
+        return base
+
+    def init(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+        made = base.call(machine, base.owner, arguments)
+        for name, value in made.fields.items() if isinstance(made, Instance) else ():
+            machine.trail.set(owner.fields, name, value)
+        return NONE
+
+    return NativeClass(base.name, methods={"__init__": init})
 
 
 def _bound_function(found: Value, owner: Value) -> Value:
     if not isinstance(found, FunctionValue) or found.owner is not None:
         return found
-    return FunctionValue(found.function, found.closure, owner, found.given, found.cls)
+    return replace(found, owner=owner)
 
 
 def _with_class(found: Value, cls: ClassValue) -> Value:
     if isinstance(found, FunctionValue) and found.cls is None:
-        return FunctionValue(found.function, found.closure, found.owner, found.given, cls)
+        return replace(found, cls=cls)
     return found
 
 
@@ -337,6 +375,11 @@ def _absolute(node: Import, frame: Frame) -> str:
     return "." * node.level + node.module
 
 
-PROPERTY = NativeClass("property")
+def _itself(_: Machine, owner: Instance, __: Arguments) -> Value:
+    return owner
+
+
+PROPERTY = NativeClass("property", methods=dict.fromkeys(("setter", "deleter"), _itself))
 STATIC = NativeClass("staticmethod")
 CLASSWISE = NativeClass("classmethod")
+_DESCRIPTORS = {"property": PROPERTY, "staticmethod": STATIC, "classmethod": CLASSWISE}

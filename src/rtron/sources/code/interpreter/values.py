@@ -4,7 +4,7 @@ Strings may have holes: `Text(("", Hole("~prefix"), "/scan"))`. `tainted` marks 
 the parameter server, so that an endpoint can say how its name became known.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -108,7 +108,10 @@ OPEN = _Open()
 
 @dataclass(eq=False, slots=True)
 class FunctionValue:
-    """A scanned function, with the frame it was defined in and the object it is bound to."""
+    """A scanned function, with the frame it was defined in and the object it is bound to.
+
+    `given` and `named` are arguments that it already has (functools.partial, boost::bind).
+    """
 
     function: Function
     closure: Any = None
@@ -117,6 +120,7 @@ class FunctionValue:
     cls: "ClassValue | None" = None
     types: tuple[TypeRef, ...] = ()
     overloads: tuple[Function, ...] = ()
+    named: Mapping[str, "Value"] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
