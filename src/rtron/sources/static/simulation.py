@@ -3,7 +3,7 @@
 ROS wiki: gazebo_ros_pkgs, ros_control; Gazebo's tutorials: ros_gzplugins, ros_roslaunch.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from rtron.sources.models.arguments import option, own_arguments
 from rtron.sources.models.form import NodeRole
 from rtron.sources.static.controller_files import with_controller_files
 from rtron.sources.static.node import AppNode
+from rtron.sources.static.notes import Notes
 from rtron.sources.static.part import Part
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_regular
@@ -34,8 +35,7 @@ class Simulation:
     workspace: Workspace
     models: Models
     descriptions: RobotDescriptions
-    environ: Mapping[str, str]
-    _notes: list[Unresolved] = field(default_factory=list)
+    _notes: Notes = field(default_factory=Notes)
 
     def parts(self, parts: Iterable[Part]) -> Iterator[Part]:
         """Yield a part for each plugin and each controller, attributed to the node it runs in."""
@@ -51,7 +51,7 @@ class Simulation:
 
     def unresolved(self) -> tuple[Unresolved, ...]:
         """Return what could not be read of worlds and descriptions so far."""
-        return tuple(self._notes)
+        return tuple(self._notes.unresolved)
 
     def _plugins(self, server: Part, parts: tuple[Part, ...]) -> Iterator[Part]:
         for plugin in self._world(server.node):
@@ -76,16 +76,18 @@ class Simulation:
             if not word.endswith(_WORLDS) or word.startswith("-"):
                 continue
             try:
-                world = read_world(self._world_file(word), self.workspace.packages, self.environ)
+                world = read_world(
+                    self._world_file(word), self.workspace.packages, self.descriptions.environ
+                )
             except InputError as error:
-                self._note(f"world {word}", str(error), server.evidence)
+                self._notes.add(f"world {word}", str(error), server.evidence)
                 return ()
-            self._notes.extend(world.unresolved)
+            self._notes.unresolved.extend(world.unresolved)
             return world.plugins
         return ()
 
     def _world_file(self, spelled: str) -> Path:
-        listed = self.environ.get("GAZEBO_RESOURCE_PATH", "").split(":")
+        listed = self.descriptions.environ.get("GAZEBO_RESOURCE_PATH", "").split(":")
         candidates = (Path(folder, spelled) for folder in ("/", *filter(None, listed)))
         found = next(filter(is_regular, candidates), None)
         if found is None:
@@ -121,7 +123,7 @@ class Simulation:
     ) -> XmlElement | None:
         if parameter is None or not isinstance(parameter.value, str):
             unknown = getattr(parameter and parameter.value, "why", "the parameter is not set")
-            self._note(f"description {name}", str(unknown), place)
+            self._notes.add(f"description {name}", str(unknown), place)
             return None
         known = self.descriptions.of_text(parameter.value)
         if known is not None:
@@ -129,22 +131,19 @@ class Simulation:
         try:
             return parse_element(parameter.value, parameter.evidence.file)
         except InputError as error:
-            self._note(f"description {name}", str(error), parameter.evidence)
+            self._notes.add(f"description {name}", str(error), parameter.evidence)
             return None
 
     def _of_file(self, path: str | None, spawner: AppNode) -> XmlElement | None:
         if path is None or not is_regular(Path(path)):
             why = "its description is not known before the app runs"
-            self._note(f"model of {spawner.name}", why, spawner.evidence)
+            self._notes.add(f"model of {spawner.name}", why, spawner.evidence)
             return None
         try:
             return read_element(Path(path))
         except InputError as error:
-            self._note(f"model of {spawner.name}", str(error), spawner.evidence)
+            self._notes.add(f"model of {spawner.name}", str(error), spawner.evidence)
             return None
-
-    def _note(self, what: str, why: str, place: Evidence) -> None:
-        self._notes.append(Unresolved(what=what, why=why, evidence=(place,)))
 
 
 def _role(part: Part) -> NodeRole | None:

@@ -1,17 +1,20 @@
 """What nodes start themselves: launch files, and programs by rosrun."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.declaration import NodeSite, StartedLaunch
 from rtron.sources.static.launch_paths import find_launch
 from rtron.sources.static.node import AppNode, argument_remaps, with_private
+from rtron.sources.static.notes import Notes
 from rtron.sources.static.part import Part
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, Parameters, Unresolved
 from rtron.vocabulary.launch import canonical_name
 
+MAX_STARTED = 1000
 ROSRUN = "rosrun"
 
 
@@ -23,6 +26,49 @@ class StartedFile:
     args: tuple[tuple[str, str], ...]
     by: str
     evidence: Evidence
+
+
+@dataclass(slots=True)
+class Starts:
+    """Follows what nodes start, each launch file with its arguments and each node once."""
+
+    workspace: Workspace
+    given: Iterable[tuple[Path, Mapping[str, str]]]
+    notes: Notes
+    _seen: set[tuple[object, ...]] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self._seen.update((path.absolute(), tuple(sorted(a.items()))) for path, a in self.given)
+
+    def of(
+        self, parts: Iterable[Part], parameters: Parameters
+    ) -> tuple[list[StartedFile], list[AppNode]]:
+        """Return the launch files and the nodes that parts start, those that are new."""
+        files: list[StartedFile] = []
+        nodes: list[AppNode] = []
+        for part, started in ((p, s) for p in parts for s in p.interface.starts):
+            if started.args[:1] == (ROSRUN,):
+                nodes.append(started_node(started, part, parameters))
+                continue
+            file = started_file(started, part, self.workspace)
+            if isinstance(file, Unresolved):
+                self.notes.unresolved.append(file)
+            else:
+                files.append(file)
+        new_files = [f for f in files if self._is_new((f.path, f.args), f.evidence)]
+        return new_files, [n for n in nodes if self._is_new(_key(n), n.evidence)]
+
+    def _is_new(self, key: tuple[object, ...], place: Evidence) -> bool:
+        if key in self._seen:
+            return False
+        self._seen.add(key)
+        if len(self._seen) > MAX_STARTED:
+            self.notes.add("what nodes start", f"more than {MAX_STARTED} of them", place)
+        return len(self._seen) <= MAX_STARTED
+
+
+def _key(node: AppNode) -> tuple[object, ...]:
+    return node.package, node.type, node.name, node.site.args
 
 
 def started_file(

@@ -36,6 +36,10 @@ class Files(Protocol):
         """Return where a package lies."""
         ...
 
+    def text(self, path: Path) -> str | None:
+        """Return a data file of the workspace; None for one that is not there or too large."""
+        ...
+
     def plugin(self, name: str, base: str) -> Plugin | None:
         """Return the class that pluginlib knows by a name or type."""
         ...

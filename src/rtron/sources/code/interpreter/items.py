@@ -71,3 +71,13 @@ def _entries(value: MapValue) -> tuple[Value, ...]:
 def _key(key: object, entry: Value) -> Known:
     """A map's key came from the parameter server if its entry did."""
     return Known(key, is_tainted(entry))
+
+
+def unpacked_around(value: Value, before: int, after: int) -> tuple[Value, ...]:
+    """Return a value taken apart into `before` variables, a list of the rest, and `after` more."""
+    items, certain = items_of(value)
+    if not certain or len(items) < before + after:
+        rest = ListValue({"items": (), "open": True})
+        return (*(Hole("?") for _ in range(before)), rest, *(Hole("?") for _ in range(after)))
+    end = len(items) - after
+    return (*items[:before], listed(items[before:end]), *items[end:])

@@ -5,6 +5,7 @@ from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.calling import dispatch
+from rtron.sources.code.interpreter.element import SLICE
 from rtron.sources.code.interpreter.items import items_of, listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.operations import binary
@@ -27,8 +28,10 @@ from rtron.sources.code.interpreter.values import (
     each,
     is_tainted,
     join,
+    spelled,
     truth,
 )
+from rtron.sources.code.ir import Class
 
 MAX_RANGE = 256
 
@@ -69,6 +72,15 @@ def _range(_: Machine, __: object, arguments: Arguments) -> Value:
     except ValueError:
         return Hole("range")
     return ListValue({"items": tuple(map(Known, found[:MAX_RANGE])), "open": len(found) > MAX_RANGE})
+
+
+def _open(_: Machine, __: object, arguments: Arguments) -> Value:
+    return Instance(FILE, {"path": arguments.get(0, "file") or Hole("path")})
+
+
+def _slice(_: Machine, __: object, arguments: Arguments) -> Value:
+    values = arguments.values if len(arguments.values) > 1 else (NONE, *arguments.values)
+    return Instance(SLICE, dict(zip(("start", "stop", "step"), (*values, NONE, NONE), strict=False)))
 
 
 def _enumerate(_: Machine, __: object, arguments: Arguments) -> Value:
@@ -201,7 +213,13 @@ def _any(wanted: bool, _: Machine, __: object, arguments: Arguments) -> Value:  
 
 
 def _type(_: Machine, __: object, arguments: Arguments) -> Value:
-    value = arguments.get(0)
+    """`type(value)`, or `type("Name", bases, members)`, which makes a class."""
+    value, members = arguments.get(0), arguments.get(2)
+    if isinstance(members, MapValue):
+        name = spelled(value or Hole("?"))
+        definition = Class(name=name, file=arguments.frame.file, line=arguments.line)
+        bases = items_of(arguments.get(1) or NONE)[0]
+        return ClassValue(definition, bases, members.entries)
     return value.type if isinstance(value, Instance) else Hole("type")
 
 
@@ -224,6 +242,8 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "len": _len,
     "range": _range,
     "xrange": _range,
+    "open": _open,
+    "slice": _slice,
     "enumerate": _enumerate,
     "zip": _zip,
     "list": partial(_copy, "list"),
@@ -248,8 +268,9 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "any": partial(_any, True),
     "all": partial(_any, False),
     "type": _type,
-    **{name: partial(_hole, name) for name in ("input", "raw_input", "open", "eval", "id", "print")},
+    **{name: partial(_hole, name) for name in ("input", "raw_input", "eval", "id", "print")},
 }
+FILE = NativeClass("file")
 BUILTINS: Mapping[str, Value] = {
     "True": TRUE,
     "False": FALSE,

@@ -26,6 +26,7 @@ from rtron.sources.code.natives.enums import ENUM
 from rtron.sources.code.natives.python_builtins import BUILTINS
 
 MAX_ROWS = 256
+_Choose = Callable[[tuple[Value, ...], int], Iterable[tuple[Value, ...]]]
 
 
 def _default_dict(machine: Machine, _: object, arguments: Arguments) -> Value:
@@ -82,16 +83,14 @@ def _product(_: Machine, __: object, arguments: Arguments) -> Value:
     return _rows(rows, certain=all(certain for _, certain in found))
 
 
-def _chosen(function: Callable[..., Iterable[tuple[Value, ...]]], *given: object) -> Value:
+def _chosen(choose: _Choose, _: Machine, __: object, arguments: Arguments) -> Value:
     """`combinations(items, count)`, `permutations(items, count)`."""
-    *_, arguments = given
-    assert isinstance(arguments, Arguments)  # noqa: S101 - a native's last argument
     items, certain = items_of(arguments.get(0) or Hole("?"))
     count = arguments.get(1, "r")
     size = count.value if isinstance(count, Known) else len(items)
     if not isinstance(size, int) or size < 0:
         return Hole("combinations")
-    return _rows(function(items, size), certain=certain)
+    return _rows(choose(items, size), certain=certain)
 
 
 def _rows(rows: Iterable[tuple[Value, ...]], *, certain: bool) -> Value:

@@ -9,6 +9,7 @@ from rtron.sources.code.interpreter.items import items_of, listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     NONE,
+    Foreign,
     Hole,
     Instance,
     Known,
@@ -21,8 +22,11 @@ from rtron.sources.code.interpreter.values import (
     options,
     spelled,
 )
+from rtron.sources.code.natives.python_arguments import PYTHON_ARGUMENTS, command_line
+from rtron.sources.code.natives.python_collections import PYTHON_COLLECTIONS
+from rtron.sources.code.natives.python_files import PYTHON_FILES
 from rtron.sources.code.natives.started import shell_words, started_by_words
-from rtron.sources.declaration import NodeSite
+from rtron.sources.code.natives.threads import THREADS
 
 
 def _known(values: tuple[Value, ...]) -> list[str] | None:
@@ -53,12 +57,6 @@ def _getenv(machine: Machine, _: object, arguments: Arguments) -> Value:
     return Hole("environ")
 
 
-def command_line(site: NodeSite) -> ListValue:
-    """Return a node's words, the program's name first; open where nobody says how it is started."""
-    words = (Known(site.name.rpartition("/")[2]), *map(Known, site.args))
-    return ListValue({"items": words, "open": not site.complete})
-
-
 def _myargv(machine: Machine, _: object, __: Arguments) -> Value:
     return command_line(machine.recorder.site)
 
@@ -72,46 +70,13 @@ def _package_path(machine: Machine, _: object, arguments: Arguments) -> Value:
     return Hole(f"path of {spelled(name or NONE)}")
 
 
+def _import_module(_: Machine, __: object, arguments: Arguments) -> Value:
+    name = arguments.get(0)
+    return Foreign(str(name.value)) if isinstance(name, Known) else Hole("module")
+
+
 def _rospack(_: Machine, __: object, ___: Arguments) -> Value:
     return Instance(_ROSPACK)
-
-
-def _parser(_: Machine, __: object, ___: Arguments) -> Value:
-    return Instance(_PARSER)
-
-
-def _add_argument(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
-    """`add_argument("name" or "--name", default=…)` (Python: argparse)."""
-    flags = [str(v.value) for v in arguments.values if isinstance(v, Known)]
-    long = next((flag for flag in flags if flag.startswith("--")), flags[0] if flags else "?")
-    named = arguments.keywords.get("dest")
-    name = str(named.value) if isinstance(named, Known) else long.lstrip("-").replace("-", "_")
-    default = arguments.keywords.get("default", NONE if long.startswith("-") else Hole(name))
-    machine.trail.set(owner.fields, name, _given(machine, flags, default))
-    return owner
-
-
-def _given(machine: Machine, flags: list[str], default: Value) -> Value:
-    words = machine.recorder.site.args
-    for at, word in enumerate(words):
-        flag, equals, value = word.partition("=")
-        if flag in flags and equals:
-            return Known(value)
-        if word in flags and word.startswith("-") and at + 1 < len(words):
-            return Known(words[at + 1])
-    return default
-
-
-def _parse_args(_: Machine, owner: Instance, __: Arguments) -> Value:
-    return Instance(NativeClass("Namespace"), dict(owner.fields))
-
-
-def _parse_known_args(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
-    return listed((_parse_args(machine, owner, arguments), Hole("argv")), "tuple")
-
-
-def _group(_: Machine, owner: Instance, __: Arguments) -> Value:
-    return owner
 
 
 def _run(machine: Machine, _: object, arguments: Arguments) -> Value:
@@ -165,17 +130,6 @@ def _launch_node(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 
 _ROSPACK = NativeClass("rospkg.RosPack", methods={"get_path": _package_path})
-_PARSER = NativeClass(
-    "argparse.ArgumentParser",
-    methods={
-        "add_argument": _add_argument,
-        "add_option": _add_argument,
-        "parse_args": _parse_args,
-        "parse_known_args": _parse_known_args,
-        "add_mutually_exclusive_group": _group,
-        "add_argument_group": _group,
-    },
-)
 _LAUNCH = NativeClass(
     "roslaunch",
     methods={"load": _launch_load, **{n: (lambda m, o, a: NONE) for n in ("start", "launch", "shutdown", "spin")}},
@@ -198,12 +152,11 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "os.popen": _run,
     **{f"subprocess.{n}": _run for n in ("Popen", "call", "check_call", "check_output", "run")},
     "rospy.myargv": _myargv,
+    "importlib.import_module": _import_module,
     "rospkg.RosPack": _rospack,
     "rospkg.rospack.RosPack": _rospack,
     "roslib.packages.get_pkg_dir": _package_path,
     "roslib.packages.get_dir_pkg": _package_path,
-    "argparse.ArgumentParser": _parser,
-    "optparse.OptionParser": _parser,
     "roslaunch.parent.ROSLaunchParent": _launch_parent,
     "roslaunch.rlutil.resolve_launch_arguments": _resolve_launch,
     "roslaunch.scriptapi.ROSLaunch": _launcher,
@@ -211,7 +164,13 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "roslaunch.core.Node": _launch_node,
     "roslaunch.Node": _launch_node,
 }
-PYTHON_LIBRARY: Mapping[str, Native] = {name: Native(name, call) for name, call in _CALLS.items()}
+PYTHON_LIBRARY: Mapping[str, Value] = {
+    **PYTHON_ARGUMENTS,
+    **PYTHON_COLLECTIONS,
+    **PYTHON_FILES,
+    **THREADS,
+    **{name: Native(name, call) for name, call in _CALLS.items()},
+}
 
 
 def constants(machine: Machine) -> dict[str, Value]:

@@ -1,6 +1,7 @@
 """rospy and the Python libraries of ROS around it, as far as they join nodes."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
@@ -9,6 +10,7 @@ from rtron.sources.code.interpreter.values import (
     FALSE,
     NONE,
     TRUE,
+    FunctionValue,
     Hole,
     Instance,
     Known,
@@ -16,6 +18,7 @@ from rtron.sources.code.interpreter.values import (
     Native,
     NativeClass,
     Value,
+    each,
     options,
     spelled,
     truth,
@@ -47,9 +50,28 @@ def _endpoint(
     type = type_name(arguments.get(1, "data_class") or arguments.get(1, "service_class"))
     latched = truth(arguments.keywords.get("latch", FALSE)) is True
     endpoints.declare(machine, kind, name, type, arguments, latched=latched)
-    _escape_all(machine, arguments)
+    if arguments.get(3, "callback_args") is None:
+        _escape_all(machine, arguments)
     final = remapped(machine, name)
     return Instance(_ENDPOINT, {"name": final, "resolved_name": final})
+
+
+def _subscriber(machine: Machine, _: object, arguments: Arguments) -> Instance:
+    """`Subscriber(name, data_class, callback, callback_args)`: its callback gets both."""
+    made = _endpoint(DeclarationKind.SUBSCRIBE, machine, None, arguments)
+    given = arguments.get(3, "callback_args")
+    if given is not None:
+        for callback in options(arguments.get(2, "callback")):
+            machine.escape(_with_second(callback, given))
+    return made
+
+
+def _with_second(callback: Value, given: Value) -> Value:
+    if not isinstance(callback, FunctionValue):
+        return callback
+    before = len(callback.given) + (callback.owner is not None)
+    second = callback.function.params[before + 1 : before + 2]
+    return replace(callback, named={**callback.named, **{p.name: given for p in second}})
 
 
 def _escape_all(machine: Machine, arguments: Arguments) -> None:
@@ -171,6 +193,15 @@ def _method(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
     return owner
 
 
+def _message_class(_: Machine, __: object, arguments: Arguments) -> Value:
+    """`get_message_class("std_msgs/String")` (roslib.message)."""
+
+    def named(value: Value) -> Value:
+        return MessageType(str(value.value)) if isinstance(value, Known) else Hole("message class")
+
+    return each(arguments.get(0) or Hole("?"), named)
+
+
 def _not_shut_down(_: Machine, __: object, ___: Arguments) -> Value:
     return Hole("is_shutdown")
 
@@ -191,7 +222,7 @@ PythonFunction = Callable[..., Value]
 
 _CALLS: dict[str, PythonFunction] = {
     "rospy.Publisher": partial(_endpoint, DeclarationKind.PUBLISH),
-    "rospy.Subscriber": partial(_endpoint, DeclarationKind.SUBSCRIBE),
+    "rospy.Subscriber": _subscriber,
     "rospy.Service": partial(_endpoint, DeclarationKind.SERVICE),
     "rospy.ServiceProxy": partial(_endpoint, DeclarationKind.SERVICE_CLIENT),
     "rospy.wait_for_message": _wait_for_message,
@@ -207,11 +238,10 @@ _CALLS: dict[str, PythonFunction] = {
     "rospy.names.ns_join": lambda machine, _, a: resolve(machine, a.get(1), a.get(0)),
     "rospy.get_name": _get_name,
     "rospy.get_namespace": _get_namespace,
+    "roslib.message.get_message_class": _message_class,
     "rospy.is_shutdown": _not_shut_down,
     "rospy.Timer": _timer,
     "rospy.on_shutdown": _timer,
-    "threading.Thread": _timer,
-    "threading.Timer": _timer,
     "message_filters.Subscriber": partial(_endpoint, DeclarationKind.SUBSCRIBE),
     "actionlib.SimpleActionClient": partial(_action, DeclarationKind.ACTION_CLIENT),
     "actionlib.ActionClient": partial(_action, DeclarationKind.ACTION_CLIENT),
@@ -243,9 +273,12 @@ _SAME = {
     "rospy.topics.Subscriber": "rospy.Subscriber",
     "rospy.timer.Timer": "rospy.Timer",
     "rospy.rostime.Timer": "rospy.Timer",
+    "roslib.message.get_service_class": "roslib.message.get_message_class",
 }
 
-PYTHON_ROS: dict[str, Native | NativeClass] = {
-    name: Native(name, call)
-    for name, call in (*_CALLS.items(), *((alias, _CALLS[of]) for alias, of in _SAME.items()))
+PYTHON_ROS: dict[str, Value] = {
+    **{name: Native(name, call) for name, call in _CALLS.items()},
+    **{alias: Native(of, _CALLS[of]) for alias, of in _SAME.items()},
+    "rospy.AnyMsg": MessageType("*"),
+    "rospy.msg.AnyMsg": MessageType("*"),
 }

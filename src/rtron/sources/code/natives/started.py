@@ -1,28 +1,33 @@
 """What a node starts by a command line: `roslaunch PKG FILE`, `rosrun PKG TYPE`."""
 
 import shlex
+from collections.abc import Iterator
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
 
 _MIN_WORDS = 2
+_TOOLS = frozenset({"roslaunch", "rosrun"})
+_SEPARATORS = frozenset({";", "&", "&&", "|", "||"})
+_WRAPPERS = frozenset(
+    "env exec nohup sudo time bash sh xterm gnome-terminal konsole terminator screen tmux "
+    "new-session stdbuf nice python python2 python3".split()
+)
 
 
 def shell_words(command: str) -> list[str]:
-    """Return a command line's words."""
+    """Return a command line's words, separators of commands among them."""
+    lexer = shlex.shlex(command, posix=True, punctuation_chars=";&|")
+    lexer.whitespace_split = True
     try:
-        return shlex.split(command)
+        return list(lexer)
     except ValueError:
         return command.split()
 
 
 def started_by_words(machine: Machine, words: list[str], at: Arguments) -> None:
     """Record what a command line starts; other commands are none of our business."""
-    names = [word.rpartition("/")[2] for word in words]
-    for tool in ("roslaunch", "rosrun"):
-        if tool not in names:
-            continue
-        rest = [word for word in words[names.index(tool) + 1 :] if not word.startswith("-")]
+    for tool, rest in _commands(words):
         if any("{" in word for word in rest[:_MIN_WORDS]) or not rest:
             what = " ".join([tool, *rest[:_MIN_WORDS]])
             machine.recorder.unresolved(what, "the command is not known", at.evidence)
@@ -30,7 +35,28 @@ def started_by_words(machine: Machine, words: list[str], at: Arguments) -> None:
             machine.recorder.start("/".join(rest[:2]), ("rosrun", *rest[2:]), at.evidence)
         elif tool == "roslaunch":
             machine.recorder.start(*_launch(rest), at.evidence)
-        return
+
+
+def _commands(words: list[str]) -> Iterator[tuple[str, list[str]]]:
+    """Yield each tool that a command line runs, with its words; a shell's `-c` holds another."""
+    words = [inner for word in words for inner in _parts(word)]
+    while words:
+        end = next((at for at, word in enumerate(words) if word in _SEPARATORS), len(words))
+        command, words = words[:end], words[end + 1 :]
+        while command and _is_before(command[0]):
+            command.pop(0)
+        tool = command[0].rpartition("/")[2] if command else ""
+        if tool in _TOOLS:
+            yield tool, [word for word in command[1:] if not word.startswith("-")]
+
+
+def _parts(word: str) -> list[str]:
+    inner = shell_words(word) if " " in word else [word]
+    return inner if inner[0].rpartition("/")[2] in _TOOLS | _WRAPPERS else [word]
+
+
+def _is_before(word: str) -> bool:
+    return word.startswith("-") or "=" in word or word.rpartition("/")[2] in _WRAPPERS
 
 
 def _launch(words: list[str]) -> tuple[str, tuple[str, ...]]:

@@ -1,11 +1,13 @@
 """Methods of strings, in both languages, on strings that may have holes."""
 
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from string import Formatter
 from typing import Any
 
 from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.element import element
 from rtron.sources.code.interpreter.items import items_of, listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
@@ -25,16 +27,52 @@ _PLAIN = (
     "rfind index count isdigit isalpha isalnum isupper islower zfill"
 ).split()
 
+_PER_PART = frozenset({"lower", "upper", "replace", "swapcase"})
+_ENDS = frozenset({"strip", "lstrip", "rstrip"})
+
 
 def _plain(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
     values = arguments.values
-    if not isinstance(owner, Known) or not all(isinstance(value, Known) for value in values):
-        return owner if name in {"strip", "lstrip", "rstrip", "lower"} else Hole(name)
+    if not all(isinstance(value, Known) for value in values):
+        return owner if name in {"strip", "lstrip", "rstrip"} else Hole(name, is_tainted(owner))
+    if isinstance(owner, Text):
+        return _plain_in_part(name, owner, [value.value for value in values])  # type: ignore[union-attr]
+    if not isinstance(owner, Known):
+        return owner if name in {*_PER_PART, *_ENDS} else Hole(name, is_tainted(owner))
     try:
         found = getattr(owner.value, name)(*(value.value for value in values))  # type: ignore[union-attr]
     except (TypeError, ValueError, AttributeError):
         return Hole(name)
     return Known(found, owner.tainted) if len(str(found)) <= MAX_LENGTH else Hole(name)
+
+
+def _plain_in_part(name: str, owner: Text, values: list[Any]) -> Value:
+    """Do to the known parts of a string what its method does to the whole."""
+    if name in {"startswith", "endswith"}:
+        return _decided_at_end(name, owner, values)
+    last = len(owner.parts) - 1
+    touched = {"lstrip": {0}, "rstrip": {last}, "strip": {0, last}}.get(name, range(last + 1))
+    if name not in _PER_PART and name not in _ENDS:
+        return Hole(name, owner.tainted)
+    method = {(0, "strip"): "lstrip", (last, "strip"): "rstrip"}
+    try:
+        parts = [
+            getattr(part, method.get((at, name), name))(*values)
+            if isinstance(part, str) and at in touched
+            else part
+            for at, part in enumerate(owner.parts)
+        ]
+    except (TypeError, ValueError):
+        return Hole(name, owner.tainted)
+    return concat([part if isinstance(part, Hole) else Known(part, owner.tainted) for part in parts])
+
+
+def _decided_at_end(name: str, owner: Text, values: list[Any]) -> Value:
+    part = owner.parts[0 if name == "startswith" else -1]
+    wanted = values[0] if values else None
+    if isinstance(part, str) and isinstance(wanted, str) and len(part) >= len(wanted):
+        return Known(getattr(part, name)(wanted), owner.tainted)
+    return Hole(name, owner.tainted)
 
 
 def _split(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
@@ -67,40 +105,53 @@ def _join(_: Machine, owner: Value, arguments: Arguments) -> Value:
     return concat(spread[1:])
 
 
-def _format(_: Machine, owner: Value, arguments: Arguments) -> Value:
-    """`"…".format(…)`: fields by place and name; attributes and specs are left out of account."""
+def _format(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+    """`"…".format(…)`: fields by place and name, with attributes and elements."""
     parts: list[Value] = []
     for part in parts_of(owner):
         if isinstance(part, Hole):
             parts.append(part)
         else:
-            parts.extend(_fields(part, arguments))
+            parts.extend(_fields(machine, part, arguments))
     return concat(parts)
 
 
-def _fields(text: str, arguments: Arguments) -> list[Value]:
+def _fields(machine: Machine, text: str, arguments: Arguments) -> list[Value]:
     parts: list[Value] = []
     try:
         pieces = list(Formatter().parse(text))
     except ValueError:
         return [Hole("format")]
-    for place, (before, name, spec, _) in enumerate(pieces):
+    place = 0
+    for before, name, spec, _ in pieces:
         parts.append(Known(before))
         if name is not None:
-            parts.append(_field(name or str(place), spec or "", arguments))
+            is_next = not name or name[0] in ".["
+            value = _field(machine, f"{place}{name}" if is_next else name, arguments)
+            parts.append(_specified(value, spec or ""))
+            place += is_next
     return parts
 
 
-def _field(name: str, spec: str, arguments: Arguments) -> Value:
-    key = name.split(".", maxsplit=1)[0].split("[", maxsplit=1)[0]
+def _field(machine: Machine, name: str, arguments: Arguments) -> Value:
+    key = re.split(r"[.\[]", name, maxsplit=1)[0]
     value = arguments.get(int(key)) if key.isdigit() else arguments.keywords.get(key)
-    if value is None or key != name:
-        return Hole(name)
+    for attribute, item in re.findall(r"\.(\w+)|\[([^\]]*)\]", name[len(key) :]):
+        if value is None:
+            break
+        if attribute:
+            value = machine.world.attribute(value, attribute, ())
+        else:
+            value = element(value, Known(int(item) if item.isdigit() else item))
+    return Hole(name) if value is None else value
+
+
+def _specified(value: Value, spec: str) -> Value:
     if spec and isinstance(value, Known) and len(spec) < 8:  # noqa: PLR2004
         try:
             return Known(format(value.value, spec), value.tainted)
         except (TypeError, ValueError):
-            return Hole(name)
+            return Hole(spec, value.tainted)
     return value
 
 

@@ -1,0 +1,54 @@
+"""Finds out what nodes declare: by interpreting their source, by a model, or from the cache."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from rtron.sources.models import Models, interface, load_models
+from rtron.sources.static.cache import Cache
+from rtron.sources.static.node import AppNode
+from rtron.sources.static.options import Progress
+from rtron.sources.static.part import Part, parts_of
+from rtron.sources.static.pool import Pool
+from rtron.sources.static.task import Task, TaskResult
+from rtron.sources.workspace import Workspace
+
+
+@dataclass(slots=True, kw_only=True)
+class Interpreting:
+    """The means of one scan; to be closed after it."""
+
+    workspace: Workspace
+    cache: Cache
+    pool: Pool
+    progress: Progress
+    models: Models = field(default_factory=load_models)
+
+    def parts(self, nodes: Sequence[AppNode]) -> list[Part]:
+        """Return the parts of nodes, each with its interface."""
+        parts = [part for node in nodes for part in parts_of(node, self.workspace, self.models)]
+        results = self._results([part.task for part in parts if part.task])
+        return [self._with_interface(part, results) for part in parts]
+
+    def close(self) -> None:
+        """End the processes, and leave a cache that is not too large."""
+        self.pool.close()
+        self.cache.trim()
+
+    def _results(self, tasks: Sequence[Task]) -> Mapping[int, TaskResult]:
+        """Return each task's result by the task's id: tasks themselves are costly to compare."""
+        known = {id(task): self.cache.get(task) for task in tasks}
+        results = {key: result for key, result in known.items() if result is not None}
+        missing = [task for task in tasks if id(task) not in results]
+        for task, result in self.pool.run(missing):
+            self.cache.put(task, result)
+            results[id(task)] = result
+            self.progress(len(results), len(tasks), task.site.name)
+        return results
+
+    def _with_interface(self, part: Part, results: Mapping[int, TaskResult]) -> Part:
+        if part.task is not None:
+            return replace(part, interface=results[id(part.task)].interface)
+        if part.model is not None:
+            found = interface(part.model, part.node.site, models=self.models)
+            return replace(part, interface=found)
+        return part

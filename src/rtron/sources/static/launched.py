@@ -1,0 +1,82 @@
+"""The launch files of an app, read into one parameter server: the given and the started ones."""
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TypeAlias
+
+from rtron.errors import InputError
+from rtron.sources.launch.packages import PackageIndex
+from rtron.sources.launch.reader import read_launches
+from rtron.sources.models.packages import known_packages
+from rtron.sources.static.node import AppNode, launched_node
+from rtron.sources.static.notes import Notes
+from rtron.sources.static.started import StartedFile
+from rtron.sources.xacro import RobotDescriptions
+from rtron.vocabulary import LaunchTree, Parameters
+
+Launch: TypeAlias = tuple[Path, Mapping[str, str]]
+
+
+@dataclass(slots=True, kw_only=True)
+class StartedLaunches:
+    """The trees, the given launch files' first; `files` are those that nodes start."""
+
+    given: tuple[Launch, ...]
+    packages: PackageIndex
+    descriptions: RobotDescriptions
+    trees: tuple[LaunchTree, ...] = ()
+    files: list[StartedFile] = field(default_factory=list)
+    notes: Notes = field(default_factory=Notes)
+
+    @property
+    def parameters(self) -> Parameters:
+        """The parameter server after all that was read so far."""
+        return self.trees[0].parameters if self.trees else Parameters()
+
+    def read(self) -> list[AppNode]:
+        """Return the nodes of the given launch files; raise InputError if one is wrong."""
+        self.trees = self._read(())
+        return [node for tree in self.trees for node in self._nodes(tree, "")]
+
+    def read_more(self, files: Iterable[StartedFile]) -> list[AppNode]:
+        """Return the nodes of launch files that nodes start; one that is wrong is noted."""
+        wanted = list(files)
+        with suppress(InputError):
+            return self._added(wanted)
+        return [node for file in wanted for node in self._tried(file)]
+
+    def _tried(self, file: StartedFile) -> list[AppNode]:
+        try:
+            return self._added([file])
+        except InputError as error:
+            what = f"launch {file.path.name} that {file.by} starts"
+            self.notes.add(what, str(error), file.evidence)
+            return []
+
+    def _added(self, files: list[StartedFile]) -> list[AppNode]:
+        if not files:
+            return []
+        trees = self._read((*self.files, *files))
+        new = zip(trees[len(self.trees) :], files, strict=True)
+        self.trees = trees
+        self.files.extend(files)
+        return [node for tree, file in new for node in self._nodes(tree, file.by)]
+
+    def _read(self, files: Iterable[StartedFile]) -> tuple[LaunchTree, ...]:
+        return read_launches(
+            [*self.given, *((file.path, dict(file.args)) for file in files)],
+            {**known_packages(), **self.packages},
+            self.descriptions.environ,
+            describe=self.descriptions.describe,
+        )
+
+    def _nodes(self, tree: LaunchTree, started_by: str) -> list[AppNode]:
+        environ = self.descriptions.environ
+        found = (
+            launched_node(node, file.path, tree.parameters, environ)
+            for file in tree.root.walk()
+            for node in file.nodes
+        )
+        return [replace(node, started_by=started_by) for node in found]
