@@ -3,8 +3,9 @@
 import re
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from evaluation.figure import Figure, Tell
@@ -17,6 +18,8 @@ from rtron.sources.xacro import RobotDescriptions
 
 GUESS = "1"
 """The value of every argument without default, and of every variable that a launch file needs."""
+NAME_GUESS = "guess"
+"""The value of every argument of a launch file that refuses GUESS: it wants names."""
 _NEEDED = re.compile(r"\$\(env (\w+)\)")
 _QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"|\S*/\S*|\b\d+\b")
 _SHOWN = 100
@@ -58,18 +61,32 @@ def _read_all(repository: Path, outcome: Outcome) -> None:
     environ = guessed_environ(listed)
     packages = find_packages([repository], environ)
     describe = RobotDescriptions(packages=packages, environ=environ).describe
+
+    def read(launch: ListedLaunch, guess: str) -> None:
+        args = dict.fromkeys(launch.required, guess)
+        read_launch(launch.path, args, packages, environ, describe=describe)
+
     for launch in listed:
-        args = dict.fromkeys(launch.required, GUESS)
-        place = str(launch.path.relative_to(repository.parents[1]))
         before = time.perf_counter()
+        _count(str(launch.path.relative_to(repository.parents[1])), partial(read, launch), outcome)
+        outcome.seconds += time.perf_counter() - before
+
+
+def _count(place: str, read: Callable[[str], None], outcome: Outcome) -> None:
+    """Read a launch file with one guess after the other, until it is not refused."""
+    refused = ""
+    for guess in (GUESS, NAME_GUESS):
         try:
-            read_launch(launch.path, args, packages, environ, describe=describe)
-            outcome.read += 1
+            read(guess)
         except InputError as error:
-            outcome.refused.append((place, str(error)))
+            refused = str(error)
         except Exception as error:  # noqa: BLE001 - what is counted here
             outcome.failed.append((place, f"{type(error).__name__}: {error}"))
-        outcome.seconds += time.perf_counter() - before
+            return
+        else:
+            outcome.read += 1
+            return
+    outcome.refused.append((place, refused))
 
 
 def guessed_environ(listed: Iterable[ListedLaunch]) -> Mapping[str, str]:

@@ -3,7 +3,9 @@
 Repositories, launch files and environment are those of recovery/<system>/experiment.yml of
 cmu-rss-lab/rosdiscover-evaluation at 4648ad9, their paths those of the checkouts. AutoRally's
 variables are what its autorally_util/setupEnvLocal.sh exports on a machine without cameras,
-chassis or joystick.
+chassis or joystick. The dependencies are of the releases that pkgs.rosinstall pins or of
+ones with the same names; joystick_drivers is not among AutoRally's, because the release at hand
+(1.11.0) is older than the robot's (1.14.0) and lacks the feedback topic.
 """
 
 from collections.abc import Mapping
@@ -20,7 +22,6 @@ AUTORALLY = App(
     dependencies=(
         "tu-darmstadt-ros-pkg/hector_gazebo@fdc01f6",
         "ros-simulation/gazebo_ros_pkgs@f9e1a46",
-        "ros-drivers/joystick_drivers@eb8aea8",
         "ros-controls/ros_control@5faa68d",
         "ros-controls/ros_controllers@ffe44f3",
         "ros/robot_state_publisher@9afecc8",

@@ -87,6 +87,38 @@ def test_packages_are_looked_for_where_they_are_said_to_be(instrument, launch_fi
     assert instrument().code == 1
 
 
+STARTER = """\
+#!/usr/bin/env python
+import os
+import roslaunch
+here = os.path.dirname(os.path.realpath(__file__))
+roslaunch.parent.ROSLaunchParent("", [here.replace("core/nodes", "nav/nav.launch")]).start()
+"""
+
+
+def test_a_launch_file_that_a_node_starts_is_guarded_in_a_copy(instrument, launch_file, tmp_path):
+    base, planner = LAUNCH.splitlines()[4], LAUNCH.splitlines()[3]
+    for name, text in {
+        "core/package.xml": "<package><name>core</name></package>",
+        "core/nodes/start": STARTER,
+        "nav/package.xml": "<package><name>nav</name></package>",
+        "nav/nav.launch": f"<launch>{planner}</launch>",
+    }.items():
+        path = tmp_path / "ws" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    (tmp_path / "ws/core/nodes/start").chmod(0o755)
+    starter = '<node pkg="core" type="start" name="start"/>'
+    launch_file.write_text(f"<launch>{starter}{base}</launch>")
+    document = json.loads(instrument("--packages", tmp_path / "ws", "--format", "json").out)
+    copy = tmp_path / "guarded.d" / "overlay" / "nav" / "nav.launch"
+    assert str(copy) in document["files"]
+    assert str(copy.parents[1] / "core" / "nodes" / "start") in document["files"]
+    assert "/rtron/cmd_vel/" in copy.read_text()
+    assert "/planner" in {remap["node"] for remap in document["remaps"]}
+    assert "/planner" not in {end["what"] for end in document["unenforceable"]}
+
+
 def test_no_launch_and_no_plan_are_2(rtron, plan_file, launch_file, tmp_path):
     out = tmp_path / "out.launch"
     assert rtron("instrument", tmp_path / "none", "--plan", plan_file, "-o", out).code == 2

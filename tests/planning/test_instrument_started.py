@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rtron.errors import InputError
-from rtron.planning.instrument import Started, instrument, write_instrumented
+from rtron.planning.instrument import Started, instrument, mirror, write_instrumented
 from rtron.sources.launch.packages import find_packages
 from rtron.sources.launch.reader import read_launch
 from rtron.vocabulary import Evidence
@@ -188,6 +188,16 @@ def test_no_link_leads_back_to_the_guarded_launch(app):
     found = [Path(folder).name for folder, _, _ in os.walk(app.overlay, followlinks=True)]
     assert {"core", "nav", "beside", "deep"} <= set(found)
     assert "guarded.d" not in found
+
+
+def test_a_mirror_has_an_end(app, monkeypatch):
+    app.start("ws/nav/launch/a.launch")
+    links = len(app.guard().links)
+    monkeypatch.setattr(mirror, "MAX_LINKS", links)
+    app.guard()
+    monkeypatch.setattr(mirror, "MAX_LINKS", links - 1)
+    with pytest.raises(InputError, match="holds more than"):
+        app.guard()
 
 
 def test_a_copied_package_cannot_hold_its_copy(app):

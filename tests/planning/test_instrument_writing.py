@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+from dataclasses import replace
 
 import pytest
 
@@ -36,6 +37,22 @@ def test_an_earlier_guarded_launch_is_replaced_as_a_whole(tmp_path):
     write_instrumented(guarded(tmp_path, old="x"))
     write_instrumented(guarded(tmp_path, new="y"))
     assert set(written(tmp_path)) == {"out.launch", "out.d/guard", "out.d/rtron.yaml", "out.d/new"}
+
+
+def test_scripts_are_copied_and_the_rest_is_linked(tmp_path):
+    original, beside = tmp_path / "node", tmp_path / "beside"
+    original.write_bytes(b"#!/usr/bin/python\n# \xe9")
+    beside.mkdir()
+    overlay = tmp_path / "out.d" / "overlay"
+    more = {"copies": {overlay / "a/node": original}, "links": {overlay / "b/beside": beside}}
+    write_instrumented(replace(guarded(tmp_path), **more))
+    write_instrumented(replace(guarded(tmp_path), **more))
+    assert (overlay / "a/node").read_bytes() == original.read_bytes()
+    assert os.access(overlay / "a/node", os.X_OK)
+    assert (overlay / "b/beside").readlink() == beside
+    write_instrumented(guarded(tmp_path))
+    assert beside.is_dir()
+    assert not overlay.exists()
 
 
 def test_a_folder_of_somebody_else_is_not_replaced(tmp_path):

@@ -163,7 +163,9 @@ def test_taint_shows(value, tainted):
         (MapValue(), False),
         (MapValue({"a": FALSE}), True),
         (MapValue({OPEN: HOLE}), None),
-        (Instance(NativeClass("k")), True),
+        (Instance(NativeClass("k")), None),
+        (Instance(NativeClass("k"), {"truth": TRUE}), True),
+        (Instance(NativeClass("k"), {"truth": FALSE}), False),
     ],
 )
 def test_truth_is_decided_only_where_it_is_known(value, counts):

@@ -156,3 +156,21 @@ def test_launch_files_are_found_as_roslaunch_finds_them(folder):
 def test_a_missing_argument_is_the_users_to_give(folder):
     with pytest.raises(InputError, match="needs a value for who"):
         scan(folder, "more.launch")
+
+
+def test_what_starts_ever_new_launches_ends(folder, monkeypatch):
+    boss = folder / "robot/scripts/boss.py"
+    boss.write_text(
+        "#!/usr/bin/env python\nimport subprocess\nimport rospy\nrospy.init_node('boss')\n"
+        "n = rospy.get_param('~n')\n"
+        "subprocess.Popen(['roslaunch', 'robot', 'chain.launch', 'n:=%d' % (n + 1)])\n"
+    )
+    (folder / "robot/launch/chain.launch").write_text(
+        '<launch><arg name="n"/><node pkg="robot" type="boss.py" name="boss$(arg n)">'
+        '<param name="n" value="$(arg n)"/></node></launch>'
+    )
+    monkeypatch.setattr("rtron.sources.static.app.MAX_ROUNDS", 3)
+    graph = scan(folder, "chain.launch", args={"n": "0"}).graph
+    assert {node.name for node in graph.nodes} == {"/boss0", "/boss1", "/boss2"}
+    notes = {note.what: note.why for note in graph.unresolved}
+    assert notes["node /boss3"] == "what starts it was started itself, and so on, 3 deep"

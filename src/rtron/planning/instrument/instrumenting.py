@@ -17,7 +17,7 @@ from rtron.planning.instrument.guard_files import (
     guard_script,
 )
 from rtron.planning.instrument.instrumented import Instrumented, Unenforceable
-from rtron.planning.instrument.overlay_files import Overlaid, overlay_files
+from rtron.planning.instrument.overlay_files import overlay_files
 from rtron.planning.instrument.reachable import reachable
 from rtron.planning.instrument.started import Started, whole_app
 from rtron.planning.instrument.wiring import enforced_streams, wire
@@ -54,11 +54,11 @@ def instrument(
     wiring = wire(whole, enforced)
     found = reachable(tree, started, wiring, packages)
     wiring = {node: remaps for node, remaps in wiring.items() if node not in found.lost}
-    findings = Findings(whole, enforced, wiring, found.lost)
     copies = Copies(wiring, found.starters)
     root = copies.root(tree.root, folder.name, guard_element(folder.name))
-    overlaid = overlay_files(folder, found, copies, (out, folder)) if found.starters else Overlaid()
+    overlaid = overlay_files(folder, found, copies, (out, folder))
     beside = {**copies.texts, SCRIPT: guard_script(command), PLAN: plan_text}
+    findings = Findings(whole, enforced, wiring, found.lost)
     return Instrumented(
         launch=out,
         folder=folder,

@@ -19,13 +19,14 @@ def mirror_links(root: Path, changed: Collection[Path], left_out: Collection[Pat
     without = {*changed, *left_out}
     above = (parent for path in without for parent in path.parents)
     folders = {folder for folder in above if folder.is_relative_to(root) and folder.is_dir()}
+    kept_out = folders | without
     links: list[Path] = []
     for folder in sorted(folders):
-        links += (path for path in _listed(folder) if path not in folders)
+        links += (path for path in _listed(folder) if path not in kept_out)
         if len(links) > MAX_LINKS:
             help = "write the guarded launch for fewer packages"
             raise InputError(f"holds more than {MAX_LINKS} files", path=str(folder), help=help)
-    return [link for link in links if link not in without]
+    return links
 
 
 def _listed(folder: Path) -> Iterator[Path]:

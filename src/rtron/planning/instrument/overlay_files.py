@@ -34,6 +34,8 @@ def overlay_files(
     `left_out` is what the guarded launch replaces itself. Raise InputError for a folder that
     cannot hold the packages, or for packages that cannot be mirrored.
     """
+    if not found.starters:
+        return Overlaid()
     files = _files(found)
     launches = {place: file for place, file in files.items() if copies.changes(file)}
     overlay = Overlay(
@@ -44,15 +46,18 @@ def overlay_files(
         seen=files,
     )
     _check_folder(folder, overlay)
-    texts = {
-        at: copies.started(file, f"/{os.path.relpath(folder, at.parent)}")
-        for at, file in ((overlay.at(place), file) for place, file in launches.items())
-    }
+    placed = ((overlay.at(place), file) for place, file in launches.items())
+    texts = {at: copies.started(file, _way(at, folder)) for at, file in placed}
     return Overlaid(
         files={**texts, folder / STARTER: overlay.script(), folder / _IGNORE: ""},
         copies=overlay.copies(),
         links=overlay.links([path.parent.resolve() / path.name for path in left_out]),
     )
+
+
+def _way(copy: Path, folder: Path) -> str:
+    """Return what leads from a copy's folder to the guarded launch's."""
+    return f"/{os.path.relpath(folder, copy.parent)}"
 
 
 def _check_folder(folder: Path, overlay: Overlay) -> None:

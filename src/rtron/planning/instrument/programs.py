@@ -24,7 +24,7 @@ def programs_of(
             place = package_place(path)
             if place and _is_script(path):
                 found.setdefault(place, node)
-    return found
+    return {}
 
 
 def modules_of(started: Iterable[Started], programs: Iterable[PackagePlace]) -> set[PackagePlace]:

@@ -1,5 +1,8 @@
 """A process that interprets programs, one after the other; it keeps what it has read."""
 
+import faulthandler
+import os
+import resource
 import signal
 import sys
 from collections.abc import Iterator, Mapping
@@ -13,8 +16,12 @@ from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, Unresolved
 
 RECURSION_LIMIT = 20_000
+MAX_MEMORY = 8 * 2**30
+GRACE = 10.0
+"""Seconds after its time limit at which a process ends that does not even react to a signal."""
 
 _FILES: dict[str, WorkspaceFiles] = {}
+_NOWHERE = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - as long as the process
 
 
 class _TimeUpError(BaseException):
@@ -24,6 +31,7 @@ class _TimeUpError(BaseException):
 def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> None:
     """Make this process ready to work on a workspace."""
     sys.setrecursionlimit(RECURSION_LIMIT)
+    resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
     signal.signal(signal.SIGALRM, _time_up)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _FILES["workspace"] = WorkspaceFiles(Workspace(packages, folders))
@@ -54,10 +62,12 @@ def failed(task: Task, why: str) -> TaskResult:
 @contextmanager
 def _limited(seconds: float) -> Iterator[None]:
     signal.setitimer(signal.ITIMER_REAL, seconds)
+    faulthandler.dump_traceback_later(seconds + GRACE, exit=True, file=_NOWHERE)
     try:
         yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
+        faulthandler.cancel_dump_traceback_later()
 
 
 def _time_up(*_: object) -> None:

@@ -415,19 +415,38 @@ class CppWorld:
         self._construct(made, cls, arguments)
         return made
 
-    def _construct(self, made: Instance, cls: ClassValue, arguments: Arguments) -> None:
-        """Run one class's part of making an object."""
+    def _construct(
+        self,
+        made: Instance,
+        cls: ClassValue,
+        arguments: Arguments,
+        among: tuple[Function, ...] = (),
+    ) -> None:
+        """Run one class's part of making an object; `among` are its constructors to choose from."""
         made.bindings.setdefault(cls.name, made.types)
         plain = cls.name.rpartition("::")[2]
-        constructors = self._overloads(f"{cls.name}::{plain}")
+        constructors = among or self._overloads(f"{cls.name}::{plain}")
         if not constructors:
             self._members(made, cls, {}, self._class_frame(made, cls), arguments)
             self._aggregate(made, cls, arguments)
             return
         chosen = choose(constructors, arguments)
         frame = self.frame(FunctionValue(chosen, owner=made, cls=cls), arguments)
-        self._members(made, cls, dict(chosen.initialisers), frame)
+        initialisers = dict(chosen.initialisers)
+        if plain in initialisers:
+            self._delegated(made, cls, self._given_to(initialisers[plain], frame), chosen)
+        else:
+            self._members(made, cls, initialisers, frame)
         self.machine.run(chosen, frame)
+
+    def _delegated(
+        self, made: Instance, cls: ClassValue, arguments: Arguments, by: Function
+    ) -> None:
+        """`Foo(int a) : Foo(a, 0)`: another constructor of the class runs first."""
+        plain = cls.name.rpartition("::")[2]
+        others = [f for f in self._overloads(f"{cls.name}::{plain}") if f is not by]
+        if others:
+            self._construct(made, cls, arguments, tuple(others))
 
     def _members(
         self,

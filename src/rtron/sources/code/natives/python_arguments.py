@@ -17,7 +17,8 @@ from rtron.sources.code.interpreter.values import (
     Native,
     NativeClass,
     Value,
-)from rtron.sources.code.natives.python_builtins import BUILTINS
+)
+from rtron.sources.code.natives.python_builtins import BUILTINS
 from rtron.sources.declaration import NodeSite
 
 _ACTIONS = {"store", "store_true", "store_false", "store_const", "append", "append_const", "count"}
