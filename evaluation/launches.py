@@ -73,20 +73,24 @@ def _read_all(repository: Path, outcome: Outcome) -> None:
 
 
 def _count(place: str, read: Callable[[str], None], outcome: Outcome) -> None:
-    """Read a launch file with one guess after the other, until it is not refused."""
-    refused = ""
-    for guess in (GUESS, NAME_GUESS):
-        try:
-            read(guess)
-        except InputError as error:
-            refused = str(error)
-        except Exception as error:  # noqa: BLE001 - what is counted here
-            outcome.failed.append((place, f"{type(error).__name__}: {error}"))
-            return
-        else:
-            outcome.read += 1
-            return
-    outcome.refused.append((place, refused))
+    """Read a launch file; what refuses the first guess is given the second."""
+    try:
+        refused = _refusal(read, GUESS) and _refusal(read, NAME_GUESS)
+    except Exception as error:  # noqa: BLE001 - what is counted here
+        outcome.failed.append((place, f"{type(error).__name__}: {error}"))
+        return
+    if refused:
+        outcome.refused.append((place, refused))
+    else:
+        outcome.read += 1
+
+
+def _refusal(read: Callable[[str], None], guess: str) -> str:
+    try:
+        read(guess)
+    except InputError as error:
+        return str(error)
+    return ""
 
 
 def guessed_environ(listed: Iterable[ListedLaunch]) -> Mapping[str, str]:

@@ -28,7 +28,7 @@ def test_processes_that_end_cost_no_result(folder):
                 os.kill(process, signal.SIGKILL)
         found[task.site.name] = names(result)
     pool.close()
-    assert found == dict.fromkeys(("/n0", "/n1", "/n2"), {"/cmd_vel", "/go"})
+    assert found == {name: {"/cmd_vel", "/go"} for name in ("/n0", "/n1", "/n2")}
 
 
 def test_no_tasks_start_no_process(folder):

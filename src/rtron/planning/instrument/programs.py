@@ -24,7 +24,7 @@ def programs_of(
             place = package_place(path)
             if place and _is_script(path):
                 found.setdefault(place, node)
-    return {}
+    return found
 
 
 def modules_of(started: Iterable[Started], programs: Iterable[PackagePlace]) -> set[PackagePlace]:
@@ -51,6 +51,8 @@ def _called(package: Path | None, name: str) -> Iterator[Path]:
 
 def _is_script(path: Path) -> bool:
     try:
+        if not path.is_file():
+            return False
         with path.open("rb") as file:
             return file.read(2) == b"#!"
     except OSError:

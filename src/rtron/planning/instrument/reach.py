@@ -68,6 +68,8 @@ def _leads(text: str, path: Path) -> bool:
 
 
 def _text(path: Path) -> str:
+    if not path.is_file():
+        return ""
     try:
         with path.open("rb") as file:
             return file.read(_MAX_BYTES).decode("utf-8", "replace")

@@ -18,16 +18,17 @@ def starter_script(packages: Iterable[Path], programs: Mapping[Path, tuple[str, 
     `programs` maps each original script to its `package/type` and its copy below the overlay.
     catkin's own `lib/package/type`, which runs the original, is replaced as well.
     """
-    path = "".join(f'"$overlay"/{shlex.quote(str(package))}:' for package in packages)
+    path = ":".join(f'"$overlay"/{shlex.quote(str(package))}' for package in packages)
     return "\n".join(
         (
             "#!/bin/sh",
             "# A launch-prefix: the node behind it finds the guarded copies of launch files.",
             f'overlay=$(cd "${{0%/*}}/{OVERLAY}" && pwd -P) || exit 1',
-            f'export ROS_PACKAGE_PATH={path}"$ROS_PACKAGE_PATH"',
+            f'ROS_PACKAGE_PATH={path}"${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}"',
+            "export ROS_PACKAGE_PATH",
             "for word do",
             "  shift",
-            *(_replacing(*item) for item in programs.items()),
+            *(line for item in programs.items() for line in _replacing(*item)),
             '  set -- "$@" "$word"',
             "done",
             'exec "$@"',
@@ -36,8 +37,10 @@ def starter_script(packages: Iterable[Path], programs: Mapping[Path, tuple[str, 
     )
 
 
-def _replacing(original: Path, program: tuple[str, Path]) -> str:
+def _replacing(original: Path, program: tuple[str, Path]) -> tuple[str, ...]:
     named, copy = program
-    same = f'[ "$word" -ef {shlex.quote(str(original))} ]'
-    relay = f'[ "${{word%/lib/{named}}}" != "$word" ]'
-    return f'  if {same} || {relay}; then word="$overlay"/{shlex.quote(str(copy))}; fi'
+    put = f'word="$overlay"/{shlex.quote(str(copy))}'
+    return (
+        f'  if [ "$word" -ef {shlex.quote(str(original))} ]; then {put}; fi',
+        f"  case $word in */lib/{shlex.quote(named)}) {put} ;; esac",
+    )

@@ -35,7 +35,7 @@ def _stage(instrumented: Instrumented, stage: Path) -> None:
     top = instrumented.launch.parent
     for path, text in instrumented.files.items():
         staged = _made(stage / path.relative_to(top))
-        staged.write_bytes(text.encode())
+        staged.write_bytes(text.encode(errors="surrogateescape"))
         staged.chmod(_SCRIPT_MODE if text.startswith("#!") else _TEXT_MODE)
     for path, original in instrumented.copies.items():
         staged = _made(stage / path.relative_to(top))

@@ -387,7 +387,8 @@ Stmt: TypeAlias = (
 class Param:
     """A parameter; `kind` is "plain", "star" (`*args`), "stars" (`**kwargs`) or "keyword" (only).
 
-    `reference` marks a C++ `T&` that is not const: what the function writes reaches the caller.
+    `reference` marks a C++ `T&` or `T*` that is not const: what the function writes reaches the
+    caller.
     """
 
     name: str
@@ -404,7 +405,7 @@ class Function:
     C++: `name` is qualified as far as the file says (`ns::Class::method`); a constructor's last
     two parts are alike, a destructor's last part begins with `~`; `this` is no parameter;
     `initialisers` are the member initialisers (member or base, arguments); `template` are the
-    names of its type parameters. `body` is None where it is only declared.
+    names of its template parameters, `defaults` what they are where nothing is written. `body` is None where it is only declared.
     """
 
     name: str
@@ -415,6 +416,7 @@ class Function:
     returns: TypeRef | None = None
     initialisers: tuple[tuple[str, tuple[Expr, ...]], ...] = ()
     template: tuple[str, ...] = ()
+    defaults: tuple[tuple[str, TypeRef], ...] = ()
     static: bool = False
     virtual: bool = False
 
@@ -435,6 +437,7 @@ class Class:
     fields: tuple[Declare, ...] = ()
     body: tuple[Stmt, ...] = ()
     template: tuple[str, ...] = ()
+    defaults: tuple[tuple[str, TypeRef], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

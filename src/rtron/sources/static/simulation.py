@@ -19,7 +19,7 @@ from rtron.sources.static.notes import Notes
 from rtron.sources.static.part import Part
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_regular
-from rtron.sources.xacro import RobotDescriptions, XmlElement, parse_element, read_element
+from rtron.sources.xacro import RobotDescriptions, parse_element, read_element
 from rtron.vocabulary import Evidence, Parameter, Unresolved
 from rtron.vocabulary.launch import canonical_name, resolve_name
 
@@ -98,52 +98,53 @@ class Simulation:
         args = spawner.site.args
         below = option(args, "-robot_namespace") or spawner.name.rpartition("/")[0] or "/"
         name = option(args, "-param")
-        if name is not None:
+        if name is None:
+            plugins = self._of_file(option(args, "-file -f"), spawner)
+        else:
             full = resolve_name(name, spawner.name)
             full = dict(spawner.site.remaps).get(full, full)
-            root = self._of_parameter(full, spawner.site.parameters.get(full), spawner.evidence)
-        else:
-            root = self._of_file(option(args, "-file -f"), spawner)
+            found = spawner.site.parameters.get(full)
+            plugins = self._of_parameter(full, found, spawner.evidence)
         model = option(args, "-model") or ""
-        plugins = plugins_of(root) if root else ()
         return [(below, p if p.model else replace(p, model=model)) for p in plugins]
 
     def _described(self, server: AppNode) -> list[tuple[str, GazeboPlugin]]:
         """Return the plugins of every robot description; who spawns them is not in the launch."""
-        found: list[tuple[str, GazeboPlugin]] = []
-        for name, parameter in server.site.parameters.leaves.items():
-            if name.rpartition("/")[2] == _DESCRIPTION:
-                root = self._of_parameter(name, parameter, server.evidence)
-                below = name.rpartition("/")[0] or "/"
-                found.extend((below, plugin) for plugin in (plugins_of(root) if root else ()))
-        return found
+        return [
+            (name.rpartition("/")[0] or "/", plugin)
+            for name, parameter in server.site.parameters.leaves.items()
+            if name.rpartition("/")[2] == _DESCRIPTION
+            for plugin in self._of_parameter(name, parameter, server.evidence)
+        ]
 
     def _of_parameter(
         self, name: str, parameter: Parameter | None, place: Evidence
-    ) -> XmlElement | None:
+    ) -> tuple[GazeboPlugin, ...]:
         if parameter is None or not isinstance(parameter.value, str):
             unknown = getattr(parameter and parameter.value, "why", "the parameter is not set")
             self._notes.add(f"description {name}", str(unknown), place)
-            return None
+            return ()
         known = self.descriptions.of_text(parameter.value)
         if known is not None:
-            return known.root
+            return plugins_of(known.root)
         try:
-            return parse_element(parameter.value, parameter.evidence.file)
+            root = parse_element(parameter.value, parameter.evidence.file)
         except InputError as error:
             self._notes.add(f"description {name}", str(error), parameter.evidence)
-            return None
+            return ()
+        return tuple(replace(plugin, evidence=parameter.evidence) for plugin in plugins_of(root))
 
-    def _of_file(self, path: str | None, spawner: AppNode) -> XmlElement | None:
+    def _of_file(self, path: str | None, spawner: AppNode) -> tuple[GazeboPlugin, ...]:
+        what = f"model of {spawner.name}"
         if path is None or not is_regular(Path(path)):
             why = "its description is not known before the app runs"
-            self._notes.add(f"model of {spawner.name}", why, spawner.evidence)
-            return None
+            self._notes.add(what, why, spawner.evidence)
+            return ()
         try:
-            return read_element(Path(path))
+            return plugins_of(read_element(Path(path)))
         except InputError as error:
-            self._notes.add(f"model of {spawner.name}", str(error), spawner.evidence)
-            return None
+            self._notes.add(what, str(error), spawner.evidence)
+            return ()
 
 
 def _role(part: Part) -> NodeRole | None:

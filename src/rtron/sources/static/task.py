@@ -94,6 +94,11 @@ class WatchedFiles:
         """Return where a package lies."""
         return self.files.package_path(package)
 
+    def text(self, path: Path) -> str | None:
+        """Return a data file of the workspace."""
+        self.read[path] = None
+        return self.files.text(path)
+
     def plugin(self, name: str, base: str) -> Plugin | None:
         """Return the class that pluginlib knows by a name or type."""
         return self.files.plugin(name, base)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from tree_sitter import Node
 
@@ -10,6 +11,13 @@ from rtron.sources.code.ir import Class, Function, Name, Problem, Stmt, TypeRef
 
 MAX_DEPTH = 90
 _MAX_PROBLEMS = 100
+
+
+class Template(NamedTuple):
+    """The names of template parameters, and what they are where nothing is written."""
+
+    names: tuple[str, ...]
+    defaults: tuple[tuple[str, TypeRef], ...]
 
 
 @dataclass(slots=True)
@@ -25,7 +33,7 @@ class Context:
     scope: str = ""
     depth: int = 0
     out: list[Stmt] | None = None
-    template: tuple[str, ...] = ()
+    template: tuple[tuple[str, TypeRef | None], ...] = ()
     in_class: bool = False
     functions: list[Function] = field(default_factory=list)
     classes: list[Class] = field(default_factory=list)
@@ -59,10 +67,11 @@ class Context:
             return name[2:]
         return f"{self.scope}::{name}" if self.scope else name
 
-    def take_template(self) -> tuple[str, ...]:
+    def take_template(self) -> Template:
         """Return the template parameters of what is declared next, and forget them."""
         template, self.template = self.template, ()
-        return template
+        defaults = tuple((name, default) for name, default in template if default is not None)
+        return Template(tuple(name for name, _ in template), defaults)
 
     @contextmanager
     def within(self, scope: str, *, in_class: bool = False) -> Iterator[None]:

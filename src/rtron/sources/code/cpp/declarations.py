@@ -50,17 +50,21 @@ def _linkage(context: Context, node: Node, out: list[Stmt]) -> None:
 def _template(context: Context, node: Node, out: list[Stmt]) -> None:
     parameters = node.child_by_field_name("parameters")
     found = parameters.named_children if parameters else []
-    context.template = tuple(
-        _parameter_name(context, child) for child in found if child.type in _TYPE_PARAMETERS
-    )
+    context.template = tuple(_template_parameter(context, child) for child in found)
     for child in node.named_children[1:]:
         declaration(context, child, out)
     context.template = ()
 
 
-def _parameter_name(context: Context, node: Node) -> str:
-    name = node.child_by_field_name("name") or next(iter(node.named_children), None)
-    return context.text(name) if name else ""
+def _template_parameter(context: Context, node: Node) -> tuple[str, TypeRef | None]:
+    """Return a parameter's name and default; that of a value is its text."""
+    if node.type in _TYPE_PARAMETERS:
+        name = node.child_by_field_name("name") or next(iter(node.named_children), None)
+        default = type_of(context, node.child_by_field_name("default_type"))
+        return (context.text(name) if name else ""), default
+    name = node.child_by_field_name("declarator")
+    value = node.child_by_field_name("default_value")
+    return (context.text(name) if name else ""), TypeRef(context.text(value)) if value else None
 
 
 @declares(*_CLASSES)
@@ -86,7 +90,8 @@ def add_class(context: Context, node: Node, name: str) -> None:
             line=line_of(node),
             bases=bases,
             fields=tuple(field for field in fields if isinstance(field, Declare)),
-            template=template,
+            template=template.names,
+            defaults=template.defaults,
         )
     )
 

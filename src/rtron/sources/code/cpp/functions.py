@@ -49,7 +49,8 @@ def add_function(context: Context, node: Node, found: Declarator) -> None:
             body=_body(context, node),
             returns=_returned(context, node, signature),
             initialisers=_initialisers(context, node),
-            template=template,
+            template=template.names,
+            defaults=template.defaults,
             static=has_word(context, node, "storage_class_specifier", b"static"),
             virtual="virtual" in kinds_of(node) or _overrides(signature),
         )
@@ -118,7 +119,7 @@ def _param(context: Context, node: Node) -> Param:
         found.typed(context, type_of(context, node.child_by_field_name("type"))),
         expression(context, default) if default else None,
         "star" if node.type == "variadic_parameter_declaration" else "plain",
-        reference=found.reference and not constant,
+        reference=(found.reference or found.pointer) and not constant,
     )
 
 

@@ -39,6 +39,7 @@ from rtron.sources.code.ir import (
     Import,
     Name,
     New,
+    Param,
     TypeRef,
 )
 from rtron.sources.code.natives.cpp_std import CONSTANTS, PARAMETER_KIND, PLACEHOLDERS, kind_of
@@ -78,7 +79,10 @@ class CppWorld:
             return local
         if frame.closure is not None and self._in_closure(name.id, frame.closure):
             return self.lookup(name, frame.closure)
-        return self._member(name, frame) or self._outer(name, frame)
+        found = self._member(name, frame) or self._outer(name, frame)
+        if name.types and isinstance(found, FunctionValue):
+            return replace(found, types=tuple(self.resolved(type, frame) for type in name.types))
+        return found
 
     def place(self, name: str, frame: Frame) -> Place:
         """Return where a name's value is kept."""
@@ -179,7 +183,21 @@ class CppWorld:
             place = passed.place(at)
             if param.reference and place is not None:
                 frame.aliases[param.name] = place
+            elif not param.reference and param.kind == "plain":
+                value = frame.variables[param.name]
+                frame.variables[param.name] = self._by_value(value, param, frame)
         return frame
+
+    def _by_value(self, value: Value, param: Param, frame: Frame) -> Value:
+        """Return what a parameter without & and * holds: a copy."""
+        if isinstance(value, ListValue):
+            return ListValue(dict(value.fields), value.kind)
+        if isinstance(value, MapValue):
+            return replace(value, fields=dict(value.fields))
+        if isinstance(value, Instance) and isinstance(value.type, ClassValue) and param.type:
+            if self.class_of(param.type, frame) is value.type:
+                return copied(value)
+        return value
 
     def instantiate(self, called: Value, arguments: Arguments) -> Value:
         """Make an object of a scanned class: bases, members, then its constructor."""
@@ -359,7 +377,7 @@ class CppWorld:
             return Hole(name) if value is None else Known(value)
         functions = self._overloads(name)
         if functions:
-            return FunctionValue(functions[0], given=(), types=node.types, overloads=functions)
+            return FunctionValue(functions[0], types=node.types, overloads=functions)
         return self._native(name, node) if name in self.functions else None
 
     def _native(self, name: str, node: Name) -> Native:
@@ -502,7 +520,7 @@ class CppWorld:
 
     def _class_frame(self, made: Instance, cls: ClassValue) -> Frame:
         written = made.bindings.get(cls.name, made.types)
-        types = dict(zip(cls.definition.template, written, strict=False))
+        types = template_types(cls.definition, written)
         return Frame(file=cls.definition.file, scope=cls.name, this=made, cls=cls, types=types)
 
     def _class(self, definition: Class) -> ClassValue:
@@ -527,22 +545,17 @@ class CppWorld:
         function, types = called.function, dict(getattr(called.closure, "types", {}))
         types.update(self.types_of(called))
         written = called.types or arguments.types
-        types.update(
-            zip(
-                function.template,
-                (self.resolved(t, arguments.frame) for t in written),
-                strict=False,
-            )
-        )
+        resolved = tuple(self.resolved(type, arguments.frame) for type in written)
+        types.update(template_types(function, resolved))
         return types
 
     def types_of(self, called: FunctionValue) -> Mapping[str, TypeRef]:
         """Return what a method's template parameters, and those of its class, mean."""
-        own = dict(zip(called.function.template, called.types, strict=False))
+        own = template_types(called.function, called.types)
         if not isinstance(called.owner, Instance) or called.cls is None:
             return own
         written = called.owner.bindings.get(called.cls.name, called.owner.types)
-        return {**own, **dict(zip(called.cls.definition.template, written, strict=False))}
+        return {**own, **template_types(called.cls.definition, written)}
 
     def _arguments(self, node: New, frame: Frame) -> Arguments:
         values = tuple(item_at(self.machine.evaluate(arg, frame)) for arg in node.args)
@@ -555,6 +568,13 @@ class CppWorld:
             or name in frame.aliases
             or (frame.closure is not None and self._in_closure(name, frame.closure))
         )
+
+
+def template_types(
+    definition: Function | Class, written: tuple[TypeRef, ...]
+) -> dict[str, TypeRef]:
+    """Return what template parameters mean: what is written, else their defaults."""
+    return {**dict(definition.defaults), **dict(zip(definition.template, written, strict=False))}
 
 
 def _is_made(node: Expr) -> bool:

@@ -86,7 +86,14 @@ def _binary(machine: Machine, node: Binary, frame: Frame) -> Value:
         return dispatch(machine, overloaded, arguments)
     if node.operator == ">>" and machine.world.by_reference and not isinstance(left, Known):
         _read_into(machine, node.right, frame)
+    if node.operator == "/" and machine.world.by_reference and _are_whole(left, right):
+        return binary("//", left, right)
     return binary(node.operator, left, right)
+
+
+def _are_whole(left: Value, right: Value) -> bool:
+    """C++ divides whole numbers to a whole number."""
+    return all(isinstance(side, Known) and isinstance(side.value, int) for side in (left, right))
 
 
 def _read_into(machine: Machine, target: Expr, frame: Frame) -> None:

@@ -306,7 +306,8 @@ def _for_each(machine: Machine, _: object, arguments: Arguments) -> Value:
         for item in items.fields.values() if isinstance(items, Instance) else ():
             given = Arguments(values=(item,), line=arguments.line, frame=arguments.frame)
             dispatch(machine, function, given)
-    machine.escape(function)
+    else:
+        machine.escape(function)
     return NONE
 
 

@@ -78,8 +78,9 @@ def _parse_known_args(machine: Machine, owner: Instance, arguments: Arguments) -
 
 def _parsed(machine: Machine, owner: Instance, arguments: Arguments) -> tuple[Value, Value]:
     given = arguments.get(0, "args")
-    own = given is None or given == NONE
-    words = command_line(machine.recorder.site).items[1:] if own else items_of(given)[0]
+    if given is None or given == NONE:
+        given = ListValue({"items": command_line(machine.recorder.site).items[1:]})
+    words, _ = items_of(given)
     return _namespace(machine, owner, words, arguments)
 
 

@@ -28,6 +28,8 @@ from rtron.sources.code.natives.python_files import PYTHON_FILES
 from rtron.sources.code.natives.started import shell_words, started_by_words
 from rtron.sources.code.natives.threads import THREADS
 
+__all__ = ["PYTHON_LIBRARY", "command_line", "constants"]
+
 
 def _known(values: tuple[Value, ...]) -> list[str] | None:
     texts = [str(value.value) for value in values if isinstance(value, Known)]
