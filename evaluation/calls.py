@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from evaluation.call_count import CallCount, count_calls, is_explained
+from evaluation.call_sites import call_sites, unreached
 from evaluation.figure import Figure, Tell
 from evaluation.launches import GUESS, guessed_environ
 from evaluation.place import Place
@@ -47,10 +48,21 @@ def figures(here: Place, tell: Tell) -> Iterator[Figure]:
         warm = _interpreted(folder, options)
     counted = [(task, result, count_calls(result.interface)) for task, result in cold.results]
     yield from _counted([(task, count) for task, _, count in counted], tell)
+    yield _reached(counted, tell)
     tell.lines([f"  {cold.launches} launch files scanned as one app", ""])
     tell.detail([line for task, result, _ in counted for line in _faults(task, result)])
     yield Figure("calls.cold", cold.seconds, None, "s", at_most=60)
     yield Figure("calls.warm", warm.seconds, None, "s", at_most=5)
+
+
+def _reached(counted: Sequence[tuple[Task, TaskResult, CallCount]], tell: Tell) -> Figure:
+    """Tell which places look like calls and were not come to."""
+    sites = call_sites({path for task, _, _ in counted for path in task.sources})
+    missed = unreached(sites, [call for _, _, count in counted for call in count.calls])
+    tell.lines([f"  {len(sites)} places look like calls, {len(missed)} of them not reached"])
+    tell.detail([f"  UNREACHED {file}:{line}" for file, line in missed])
+    share = 1 - len(missed) / max(1, len(sites))
+    return Figure("calls.reached", share * _PERCENT, None, "% of places that look like calls")
 
 
 def _counted(counts: Sequence[tuple[Task, CallCount]], tell: Tell) -> Iterator[Figure]:

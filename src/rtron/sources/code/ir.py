@@ -405,7 +405,8 @@ class Function:
     C++: `name` is qualified as far as the file says (`ns::Class::method`); a constructor's last
     two parts are alike, a destructor's last part begins with `~`; `this` is no parameter;
     `initialisers` are the member initialisers (member or base, arguments); `template` are the
-    names of its template parameters, `defaults` what they are where nothing is written. `body` is None where it is only declared.
+    names of its template parameters, `defaults` what they are where nothing is written. `body` is
+    None where it is only declared.
     """
 
     name: str

@@ -70,9 +70,7 @@ def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: Files) -> NodeInte
     return _settled(run)
 
 
-def run_nodelet(
-    sources: tuple[Path, ...], cls: str, site: NodeSite, files: Files
-) -> NodeInterface:
+def run_nodelet(sources: tuple[Path, ...], cls: str, site: NodeSite, files: Files) -> NodeInterface:
     """Return what a nodelet's class declares: made, then its `onInit` run."""
 
     def run(volatile: frozenset[str]) -> Machine:
@@ -136,15 +134,19 @@ def _machine(world: World, site: NodeSite, volatile: frozenset[str]) -> Machine:
 
 def _bounded(machine: Machine, path: Path, run: Callable[[], object]) -> None:
     """Run a program and what it leaves to be called; what does not end is noted."""
-    for part in (run, partial(run_pending, machine)):
-        try:
-            part()
-        except StepsExceededError:
-            _incomplete(machine, path, "too large to be run whole")
-        except ThrownError as error:
-            _incomplete(machine, path, f"ends by {error.name}")
-        except RecursionError:
-            _incomplete(machine, path, "nested too deep")
+    _part(machine, path, run)
+    _part(machine, path, partial(run_pending, machine))
+
+
+def _part(machine: Machine, path: Path, run: Callable[[], object]) -> None:
+    try:
+        run()
+    except StepsExceededError:
+        _incomplete(machine, path, "too large to be run whole")
+    except ThrownError as error:
+        _incomplete(machine, path, f"ends by {error.name}")
+    except RecursionError:
+        _incomplete(machine, path, "nested too deep")
 
 
 def _incomplete(machine: Machine, path: Path, why: str) -> None:

@@ -19,12 +19,46 @@ from rtron.sources.code.words import called_words, written_names
 from rtron.vocabulary import Evidence
 
 API = frozenset(
-    "advertise subscribe advertiseService serviceClient advertiseCamera subscribeCamera Publisher "
-    "Subscriber Service ServiceProxy waitForMessage wait_for_message createInstance system Popen "
-    "createClassInstance createUnmanagedInstance ROSLaunchParent launch check_call call popen "
-    "SimpleActionClient SimpleActionServer ActionClient ActionServer TransformListener "
-    "TransformBroadcaster StaticTransformBroadcaster Server Updater ImageTransport create "
-    "RealtimePublisher InteractiveMarkerServer Bond SubscriberFilter SimpleActionServer<>".split()
+    [
+        "advertise",
+        "subscribe",
+        "advertiseService",
+        "serviceClient",
+        "advertiseCamera",
+        "subscribeCamera",
+        "Publisher",
+        "Subscriber",
+        "Service",
+        "ServiceProxy",
+        "waitForMessage",
+        "wait_for_message",
+        "createInstance",
+        "system",
+        "Popen",
+        "createClassInstance",
+        "createUnmanagedInstance",
+        "ROSLaunchParent",
+        "launch",
+        "check_call",
+        "call",
+        "popen",
+        "SimpleActionClient",
+        "SimpleActionServer",
+        "ActionClient",
+        "ActionServer",
+        "TransformListener",
+        "TransformBroadcaster",
+        "StaticTransformBroadcaster",
+        "Server",
+        "Updater",
+        "ImageTransport",
+        "create",
+        "RealtimePublisher",
+        "InteractiveMarkerServer",
+        "Bond",
+        "SubscriberFilter",
+        "SimpleActionServer<>",
+    ]
 )
 MAX_RUNS = 400
 MAX_STEPS = 100_000

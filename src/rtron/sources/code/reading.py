@@ -12,7 +12,21 @@ from rtron.sources.code.python import lower_python
 from rtron.sources.workspace import Workspace
 
 MAX_DATA = 2**20
-_CPP = {".cpp", ".cc", ".cxx", ".c", ".cu", ".h", ".hpp", ".hh", ".hxx", ".cuh", ".ipp", ".tpp", ".inl"}
+_CPP = {
+    ".cpp",
+    ".cc",
+    ".cxx",
+    ".c",
+    ".cu",
+    ".h",
+    ".hpp",
+    ".hh",
+    ".hxx",
+    ".cuh",
+    ".ipp",
+    ".tpp",
+    ".inl",
+}
 
 
 @dataclass(eq=False, slots=True)

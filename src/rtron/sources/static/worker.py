@@ -6,7 +6,7 @@ import resource
 import signal
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rtron.sources.code.reading import WorkspaceFiles
@@ -31,7 +31,9 @@ class _TimeUpError(BaseException):
 def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> None:
     """Make this process ready to work on a workspace."""
     sys.setrecursionlimit(RECURSION_LIMIT)
-    resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
+    with suppress(ValueError, OSError):
+        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+        resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, hard))
     signal.signal(signal.SIGALRM, _time_up)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _FILES["workspace"] = WorkspaceFiles(Workspace(packages, folders))

@@ -1,11 +1,15 @@
 """Writes to variables, members and elements."""
 
+from dataclasses import replace
+
+from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.items import unpacked, unpacked_around
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     OPEN,
     ClassValue,
+    FunctionValue,
     Instance,
     Known,
     ListValue,
@@ -62,10 +66,23 @@ def _parts(target: Sequence, value: Value) -> tuple[Value, ...]:
 def _assign_member(machine: Machine, target: Attr, value: Value, frame: Frame) -> None:
     owners = options(machine.evaluate(target.owner, frame))
     for owner in owners:
-        if isinstance(owner, (Instance, ClassValue, ModuleValue)):
+        setter = _setter(machine, owner, target.name)
+        if setter is not None:
+            machine.call(setter, Arguments(values=(value,), frame=frame))
+        elif isinstance(owner, (Instance, ClassValue, ModuleValue)):
             before = owner.fields.get(target.name)
             new = value if len(owners) == 1 or before is None else join([before, value])
             machine.trail.set(owner.fields, target.name, new)
+
+
+def _setter(machine: Machine, owner: Value, name: str) -> FunctionValue | None:
+    """Return the function of a Python property that an assignment calls."""
+    for cls in machine.world.lineage(owner.type) if isinstance(owner, Instance) else ():
+        found = cls.fields.get(name) if isinstance(cls, ClassValue) else None
+        setter = found.fields.get("setter") if isinstance(found, Instance) else None
+        if isinstance(setter, FunctionValue):
+            return replace(setter, owner=owner)
+    return None
 
 
 def _assign_element(machine: Machine, target: Index, value: Value, frame: Frame) -> None:
@@ -93,9 +110,13 @@ def remove(machine: Machine, owner: Value, key: Value) -> None:
 
 def _assign_item(machine: Machine, owner: ListValue, key: Value, value: Value) -> None:
     items = list(owner.items)
-    if isinstance(key, Known) and isinstance(key.value, int) and -len(items) <= key.value < len(items):
+    if (
+        isinstance(key, Known)
+        and isinstance(key.value, int)
+        and -len(items) <= key.value < len(items)
+    ):
         items[key.value] = value
     else:
         items.append(value)
-        machine.trail.set(owner.fields, "open", True)  # noqa: FBT003 - a field's value
+        machine.trail.open(owner.fields)
     machine.trail.set(owner.fields, "items", tuple(items))

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.items import listed
 from rtron.sources.code.interpreter.values import Hole, MapValue, Value
-from rtron.sources.code.ir import Expr, Param
+from rtron.sources.code.ir import Const, Expr, Function, Param
 
 
 def bind(
@@ -27,6 +27,15 @@ def bind(
             variables[param.name] = _bound(param, index, arguments, default)
             place += param.kind == "plain"
     return variables
+
+
+def defaults(function: Function, default: Callable[[Expr], Value]) -> dict[str, Value]:
+    """Return the defaults that Python evaluates where it meets the definition."""
+    return {
+        param.name: default(param.default)
+        for param in function.params
+        if param.default is not None and not isinstance(param.default, Const)
+    }
 
 
 def _bound(

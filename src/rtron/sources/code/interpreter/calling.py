@@ -1,5 +1,7 @@
 """Calls: of scanned functions and classes, of native ones, and of what nobody knows."""
 
+from collections.abc import Callable, Mapping
+
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
 from rtron.sources.code.interpreter.frame import Frame
@@ -23,7 +25,6 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 from rtron.sources.code.ir import Attr, Call, Expr, Name, Star, TypeRef
-
 
 JOINING = frozenset({"advertise", "subscribe", "advertiseService", "serviceClient"})
 
@@ -52,17 +53,15 @@ def dispatch(machine: Machine, called: Value, arguments: Arguments) -> Value:
     """Call any value; of several, each."""
     if isinstance(called, Choice):
         return each(called, lambda option: dispatch(machine, option, arguments))
-    if isinstance(called, Native):
-        return called.call(machine, called.owner, arguments)
-    if isinstance(called, NativeClass):
-        return called.make(machine, arguments) if called.make else Instance(called)
-    if isinstance(called, FunctionValue):
-        return machine.call(called, arguments)
-    if isinstance(called, ClassValue):
-        return machine.world.instantiate(called, arguments)
-    if isinstance(called, MessageType):
-        return Instance(NativeClass(called.name), dict(arguments.keywords))
-    return _call_unknown(machine, called, arguments)
+    return _CALLS.get(type(called), _call_unknown)(machine, called, arguments)
+
+
+def _call_native_class(machine: Machine, called: NativeClass, arguments: Arguments) -> Value:
+    return called.make(machine, arguments) if called.make else Instance(called)
+
+
+def _call_message(_: Machine, called: MessageType, arguments: Arguments) -> Value:
+    return Instance(NativeClass(called.name), dict(arguments.keywords))
 
 
 def _call_unknown(machine: Machine, called: Value, arguments: Arguments) -> Value:
@@ -116,3 +115,12 @@ def _keywords(machine: Machine, node: Call, frame: Frame) -> dict[str, Value]:
 
 def _types(function: Expr) -> tuple[TypeRef, ...]:
     return function.types if isinstance(function, (Name, Attr)) else ()
+
+
+_CALLS: Mapping[type, Callable[..., Value]] = {
+    Native: lambda machine, called, arguments: called.call(machine, called.owner, arguments),
+    NativeClass: _call_native_class,
+    FunctionValue: lambda machine, called, arguments: machine.call(called, arguments),
+    ClassValue: lambda machine, called, arguments: machine.world.instantiate(called, arguments),
+    MessageType: _call_message,
+}

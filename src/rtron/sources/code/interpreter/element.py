@@ -18,7 +18,6 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 
-
 SLICE = NativeClass("slice")
 
 
@@ -70,7 +69,9 @@ def _cut(owner: Text, start: int | None, stop: int | None, step: int | None) -> 
     parts = [*owner.parts]
     parts[0] = first[front:] if isinstance(first, str) else first
     parts[-1] = last[: len(last) - back] if isinstance(last, str) else last
-    return concat([part if isinstance(part, Hole) else Known(part, owner.tainted) for part in parts])
+    return concat(
+        [part if isinstance(part, Hole) else Known(part, owner.tainted) for part in parts]
+    )
 
 
 def _length(part: str | Hole) -> int:

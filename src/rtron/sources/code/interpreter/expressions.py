@@ -1,19 +1,19 @@
 """What each kind of expression is worth."""
 
-from collections.abc import Callable, Mapping as MappingType
+from collections.abc import Callable
+from collections.abc import Mapping as MappingType
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import assign, place_of
 from rtron.sources.code.interpreter.calling import call, dispatch
 from rtron.sources.code.interpreter.element import element
 from rtron.sources.code.interpreter.frame import Frame
-from rtron.sources.code.interpreter.items import items_of, listed
+from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.iteration import named
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.operations import binary, unary
 from rtron.sources.code.interpreter.values import (
     OPEN,
-    Choice,
     FunctionValue,
     Hole,
     Instance,
@@ -67,10 +67,15 @@ def _attr(machine: Machine, node: Attr, frame: Frame) -> Value:
 
 def _index(machine: Machine, node: Index, frame: Frame) -> Value:
     owner, key = machine.evaluate(node.owner, frame), machine.evaluate(node.key, frame)
-    if isinstance(owner, MapValue) and isinstance(key, Known) and owner.missing is not None:
-        if key.value not in owner.fields and not owner.open:
-            machine.trail.set(owner.fields, key.value, owner.missing())
+    if isinstance(owner, MapValue) and isinstance(key, Known):
+        _fill(machine, owner, key)
     return join([element(one, other) for one in options(owner) for other in options(key)])
+
+
+def _fill(machine: Machine, owner: MapValue, key: Known) -> None:
+    """`m[key]` makes an entry where std::map has none."""
+    if owner.missing is not None and not owner.open and key.value not in owner.fields:
+        machine.trail.set(owner.fields, key.value, owner.missing())
 
 
 def _new(machine: Machine, node: New, frame: Frame) -> Value:
@@ -193,7 +198,9 @@ def _rounds(
         answers = [truth(machine.evaluate(test, frame)) for test in tests]
         if False in answers or len(found) > MAX_ITEMS:
             continue
-        certain = _rounds(machine, node, depth + 1, frame, found) and certain and None not in answers
+        certain = (
+            _rounds(machine, node, depth + 1, frame, found) and certain and None not in answers
+        )
     return certain
 
 
@@ -230,4 +237,3 @@ EVALUATORS: MappingType[type, Callable[..., Value]] = {
     Star: _star,
     Unary: _unary,
 }
-

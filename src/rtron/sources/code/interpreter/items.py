@@ -69,8 +69,23 @@ def _entries(value: MapValue) -> tuple[Value, ...]:
 
 
 def _key(key: object, entry: Value) -> Known:
-    """A map's key came from the parameter server if its entry did."""
-    return Known(key, is_tainted(entry))
+    """Return a map's key, marked as its entry is: both came out of the parameter server."""
+    return Known(key, _is_parameter(entry))
+
+
+def _is_parameter(value: Value) -> bool:
+    if isinstance(value, MapValue):
+        return any(map(_is_parameter, value.entries.values()))
+    if isinstance(value, ListValue):
+        return any(map(_is_parameter, value.items))
+    return is_tainted(value)
+
+
+def _members(cls: ClassValue) -> Iterator[Value]:
+    """Yield the members of an enumeration."""
+    for value in cls.fields.values():
+        if isinstance(value, Instance) and value.type is cls:
+            yield value
 
 
 def unpacked_around(value: Value, before: int, after: int) -> tuple[Value, ...]:

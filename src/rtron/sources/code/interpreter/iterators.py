@@ -26,7 +26,11 @@ def item_at(value: Value) -> Value:
         return value
     items = value.fields["items"]
     place = value.fields["at"]
-    found = items.fields.get(place.value) if isinstance(items, Instance) and isinstance(place, Known) else None
+    found = (
+        items.fields.get(place.value)
+        if isinstance(items, Instance) and isinstance(place, Known)
+        else None
+    )
     return found or Hole("item")
 
 
@@ -64,5 +68,10 @@ def _equals(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
 
 ITERATOR = NativeClass(
     "iterator",
-    methods={"operator+": _next, "operator!=": _differs, "operator==": _equals, "operator<": _differs},
+    methods={
+        "operator+": _next,
+        "operator!=": _differs,
+        "operator==": _equals,
+        "operator<": _differs,
+    },
 )

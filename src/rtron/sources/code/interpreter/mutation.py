@@ -19,7 +19,9 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.ir import Attr, Call
 
 POINTER_METHODS = frozenset({"get", "lock", "release", "toStrongRef"})
-_WRITERS = frozenset("reset append push_back pop_back assign clear erase insert replace".split())
+_WRITERS = frozenset(
+    ["reset", "append", "push_back", "pop_back", "assign", "clear", "erase", "insert", "replace"]
+)
 
 
 def mutate(machine: Machine, node: Call, frame: Frame) -> Value | None:
@@ -34,7 +36,8 @@ def mutate(machine: Machine, node: Call, frame: Frame) -> Value | None:
     owner = machine.evaluate(node.function.owner, frame)
     if any(machine.world.attribute(option, name, ()) is not None for option in options(owner)):
         return None
-    return _write(machine, node, owner, frame)
+    values = [machine.evaluate(arg, frame) for arg in node.args]
+    return _write(machine, node.function, owner, values, frame)
 
 
 def _pointee(machine: Machine, function: Attr, frame: Frame) -> Value | None:
@@ -43,11 +46,11 @@ def _pointee(machine: Machine, function: Attr, frame: Frame) -> Value | None:
     return None if own else owner
 
 
-def _write(machine: Machine, node: Call, owner: Value, frame: Frame) -> Value:
-    assert isinstance(node.function, Attr)  # noqa: S101 - mutate looked
-    values = [machine.evaluate(arg, frame) for arg in node.args]
-    place = place_of(machine, node.function.owner, frame)
-    new = _changed(node.function.name, owner, values)
+def _write(
+    machine: Machine, function: Attr, owner: Value, values: list[Value], frame: Frame
+) -> Value:
+    place = place_of(machine, function.owner, frame)
+    new = _changed(function.name, owner, values)
     if place is not None:
         machine.trail.set(*place, new)
     return new

@@ -154,7 +154,9 @@ def _is_text(value: Value) -> bool:
 
 
 def _hole_name(left: Value, right: Value) -> str:
-    holes = [part.why for side in (left, right) for part in parts_of(side) if isinstance(part, Hole)]
+    holes = [
+        part.why for side in (left, right) for part in parts_of(side) if isinstance(part, Hole)
+    ]
     return holes[0] if holes else "?"
 
 

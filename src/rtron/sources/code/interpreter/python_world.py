@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from rtron.sources.code.interpreter.arguments import Arguments, NativeCall
-from rtron.sources.code.interpreter.binding import bind
+from rtron.sources.code.interpreter.binding import bind, defaults
 from rtron.sources.code.interpreter.calling import dispatch
 from rtron.sources.code.interpreter.files import Files
 from rtron.sources.code.interpreter.frame import Frame, Place
@@ -21,7 +21,6 @@ from rtron.sources.code.interpreter.values import (
     Known,
     ListValue,
     MapValue,
-    MessageType,
     ModuleValue,
     Native,
     NativeClass,
@@ -138,7 +137,8 @@ class PythonWorld:
         if isinstance(node.what, Class):
             value: Value = self._class(node.what, frame)
         else:
-            value = FunctionValue(node.what, closure=frame)
+            named = defaults(node.what, lambda default: self.machine.evaluate(default, frame))
+            value = FunctionValue(node.what, closure=frame, named=named)
         for decorator in reversed(node.decorators):
             value = self._decorated(self.machine.evaluate(decorator, frame), value, frame)
         self.machine.trail.set(*self.place(node.what.name, frame), value)
@@ -248,7 +248,9 @@ class PythonWorld:
 
     def _module(self, dotted: str, importer: Path) -> Value:
         top = dotted.partition(".")[0]
-        if is_message_package(dotted) or any(name.partition(".")[0] == top for name in self.natives):
+        if is_message_package(dotted) or any(
+            name.partition(".")[0] == top for name in self.natives
+        ):
             return Foreign(dotted)
         path = self.files.python_module(dotted, importer)
         if path is None:
@@ -282,7 +284,9 @@ class PythonWorld:
         for module in packages:
             if self.files.has_message(module.split(".", maxsplit=1)[0], name):
                 return message_type(f"{module}.{name}")
-        unknown = [m for m in packages if self.files.has_message(m.split(".", maxsplit=1)[0], name) is None]
+        unknown = [
+            m for m in packages if self.files.has_message(m.split(".", maxsplit=1)[0], name) is None
+        ]
         sure = len(unknown) == 1 and name[:1].isupper()
         return message_type(f"{unknown[0]}.{name}") if sure else None
 
@@ -375,11 +379,11 @@ def _absolute(node: Import, frame: Frame) -> str:
     return "." * node.level + node.module
 
 
-def _itself(_: Machine, owner: Instance, __: Arguments) -> Value:
-    return owner
+def _with_setter(_: Machine, owner: Instance, arguments: Arguments) -> Value:
+    return Instance(PROPERTY, {**owner.fields, "setter": arguments.get(0) or NONE})
 
 
-PROPERTY = NativeClass("property", methods=dict.fromkeys(("setter", "deleter"), _itself))
+PROPERTY = NativeClass("property", methods={"setter": _with_setter})
 STATIC = NativeClass("staticmethod")
 CLASSWISE = NativeClass("classmethod")
 _DESCRIPTORS = {"property": PROPERTY, "staticmethod": STATIC, "classmethod": CLASSWISE}

@@ -36,7 +36,7 @@ class Recorder:
     _starts: dict[StartedLaunch, None] = field(default_factory=dict)
     _unresolved: dict[Unresolved, None] = field(default_factory=dict)
 
-    def declare(  # noqa: PLR0913 - a declaration's parts
+    def declare(
         self,
         kind: DeclarationKind,
         name: Value,

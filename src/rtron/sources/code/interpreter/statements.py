@@ -33,9 +33,7 @@ from rtron.sources.code.ir import (
 )
 
 
-def branch(
-    machine: Machine, frame: Frame, blocks: tuple[tuple[Stmt, ...], ...]
-) -> Outcome:
+def branch(machine: Machine, frame: Frame, blocks: tuple[tuple[Stmt, ...], ...]) -> Outcome:
     """Run each of the blocks, one of which is taken; return how they all end, if alike."""
     outcomes: list[Outcome] = []
 
@@ -106,9 +104,7 @@ def _try(machine: Machine, node: Try, frame: Frame) -> Outcome:
     if thrown is None and outcome is None:
         outcome = machine.execute(node.orelse, frame)
     handlers = [body for names, _, body in node.handlers if _catches(names, thrown)]
-    if thrown is not None and handlers:
-        outcome = machine.execute(handlers[0], frame)
-    elif outcome == "raise" and handlers:
+    if handlers and (thrown is not None or outcome == "raise"):
         outcome = machine.execute(handlers[0], frame)
     elif handlers and thrown is None:
         branch(machine, frame, ((), *handlers))

@@ -9,9 +9,23 @@ from rtron.sources.code.ir import Class, Declare, Function, TypeRef, Unit
 
 MAX_FILES = 600
 NATIVE_FOLDERS = frozenset(
-    "ros actionlib bondcpp diagnostic_updater dynamic_reconfigure image_transport "
-    "interactive_markers message_filters nodelet nodelet_topic_tools pluginlib realtime_tools tf "
-    "tf2_ros camera_info_manager".split()
+    [
+        "ros",
+        "actionlib",
+        "bondcpp",
+        "diagnostic_updater",
+        "dynamic_reconfigure",
+        "image_transport",
+        "interactive_markers",
+        "message_filters",
+        "nodelet",
+        "nodelet_topic_tools",
+        "pluginlib",
+        "realtime_tools",
+        "tf",
+        "tf2_ros",
+        "camera_info_manager",
+    ]
 )
 """Headers of libraries that `natives` stand for: their own source is not run."""
 _MAX_ALIASES = 12
@@ -127,7 +141,7 @@ class Symbols:
         self.exports.extend(unit.exports)
 
     def _qualified(self, function: Function) -> Function:
-        """`using namespace a; B::run() {}` defines a::B::run."""
+        """Return a function under its full name: `using namespace a; B::run() {}` is a::B::run."""
         owner, _, plain = function.name.rpartition("::")
         if not owner or owner in self.classes:
             return function

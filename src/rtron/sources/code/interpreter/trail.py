@@ -29,6 +29,10 @@ class Trail:
             self._log.append((place, key, place.get(key, MISSING)))
         place[key] = value
 
+    def open(self, place: dict[Any, Any]) -> None:
+        """Note that a list may hold more than its items."""
+        self.set(place, "open", value=True)
+
     def remove(self, place: dict[Any, Any], key: Any) -> None:  # noqa: ANN401 - any key
         """Take a key away where it can be put back."""
         if self._depth:
@@ -86,7 +90,10 @@ def _all_items(values: list[tuple[Any, ...]]) -> tuple[Any, ...]:
     """Return the items of every branch, each once."""
     longest = max(values, key=len)
     others = (item for value in values if value is not longest for item in value)
-    return (*longest, *(item for item in others if not any(item is o or item == o for o in longest)))
+    return (
+        *longest,
+        *(item for item in others if not any(item is o or item == o for o in longest)),
+    )
 
 
 def _joined(values: list[Any]) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag

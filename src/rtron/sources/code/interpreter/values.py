@@ -206,8 +206,8 @@ Value: TypeAlias = (
 )
 
 NONE = Known(None)
-TRUE = Known(True)  # noqa: FBT003 - the value itself
-FALSE = Known(False)  # noqa: FBT003 - the value itself
+TRUE = Known(value=True)
+FALSE = Known(value=False)
 
 
 def known_text(text: str, *, tainted: bool = False) -> Known:
@@ -250,22 +250,37 @@ def truth(value: Value) -> bool | None:
 
     A library's object says itself whether it counts: a ros::Subscriber does once subscribed.
     """
-    if isinstance(value, Known):
-        return bool(value.value)
     if isinstance(value, Choice):
         answers = {truth(option) for option in value.options}
         return answers.pop() if len(answers) == 1 else None
-    if isinstance(value, ListValue):
-        return True if value.items else (None if value.open else False)
-    if isinstance(value, MapValue):
-        return True if value.entries else (None if value.open else False)
-    if isinstance(value, Instance) and isinstance(value.type, NativeClass):
-        return truth(value.fields["truth"]) if "truth" in value.fields else None
-    if isinstance(value, (Hole, Foreign)):
-        return None
-    if isinstance(value, Text):
-        return True if any(isinstance(part, str) and part for part in value.parts) else None
-    return True
+    decide = _TRUTHS.get(type(value))
+    return True if decide is None else decide(value)
+
+
+def _truth_of_container(value: Any) -> bool | None:  # noqa: ANN401 - a list or a map
+    filled = value.items if isinstance(value, ListValue) else value.entries
+    return True if filled else (None if value.open else False)
+
+
+def _truth_of_instance(value: Any) -> bool | None:  # noqa: ANN401 - an Instance
+    if not isinstance(value.type, NativeClass):
+        return True
+    return truth(value.fields["truth"]) if "truth" in value.fields else None
+
+
+def _truth_of_text(value: Any) -> bool | None:  # noqa: ANN401 - a Text
+    return True if any(isinstance(part, str) and part for part in value.parts) else None
+
+
+_TRUTHS: Mapping[type, Callable[[Any], bool | None]] = {
+    Known: lambda value: bool(value.value),
+    ListValue: _truth_of_container,
+    MapValue: _truth_of_container,
+    Instance: _truth_of_instance,
+    Text: _truth_of_text,
+    Hole: lambda _: None,
+    Foreign: lambda _: None,
+}
 
 
 def is_tainted(value: Value) -> bool:
@@ -286,7 +301,7 @@ def parts_of(value: Value) -> tuple[str | Hole, ...]:
     return (Hole("?"),)
 
 
-def plain(value: Any) -> str:  # noqa: ANN401 - any Python value
+def plain(value: object) -> str:
     """Return a value as str() shows it."""
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
@@ -317,9 +332,7 @@ def _text(parts: tuple[str | Hole, ...], *, tainted: bool) -> Value:
 
 def spelled(value: Value) -> str:
     """Return a string value with its holes in braces."""
-    return "".join(
-        part if isinstance(part, str) else f"{{{part.why}}}" for part in parts_of(value)
-    )
+    return "".join(part if isinstance(part, str) else f"{{{part.why}}}" for part in parts_of(value))
 
 
 def texts(value: Value) -> Iterator[Value]:

@@ -1,12 +1,12 @@
 """What differs between the languages, as the machine asks for it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Protocol
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.files import Files
 from rtron.sources.code.interpreter.frame import Frame, Place
-from rtron.sources.code.interpreter.values import FunctionValue, Value
+from rtron.sources.code.interpreter.values import FunctionValue, Instance, Value
 from rtron.sources.code.ir import Class, Declare, Define, Function, Import, Name, New, TypeRef
 
 
@@ -65,4 +65,34 @@ class World(Protocol):
 
     def named(self, name: str) -> tuple[Function, ...]:
         """Return the scanned functions with a plain name, in whatever class."""
+        ...
+
+
+class Cpp(World, Protocol):
+    """What native functions of C++ ask besides."""
+
+    def make(self, type: TypeRef, arguments: Arguments) -> Value:
+        """Make an object of a type from values."""
+        ...
+
+    def default(
+        self, type: TypeRef | None, frame: Frame, *, pointer: bool = False, line: int = 0
+    ) -> Value:
+        """Return what a variable without an initialiser holds."""
+        ...
+
+    def message_in(self, type: TypeRef | None, scope: str, types: Mapping[str, TypeRef]) -> str:
+        """Return the message that a type means in a scope."""
+        ...
+
+    def types_of(self, called: FunctionValue) -> Mapping[str, TypeRef]:
+        """Return what a method's template parameters, and those of its class, mean."""
+        ...
+
+    def owned(self, called: FunctionValue, owner: Instance) -> FunctionValue:
+        """Return a method named by `&Class::method`, bound to an object of that class."""
+        ...
+
+    def plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
+        """Make the object of a plugin, its library's sources taken in first."""
         ...

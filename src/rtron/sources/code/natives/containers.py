@@ -53,7 +53,7 @@ def copied(value: Value) -> Value:
 def _extend(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
     items, certain = items_of(arguments.get(0) or Hole("?"))
     if not certain:
-        machine.trail.set(owner.fields, "open", True)  # noqa: FBT003 - a field's value
+        machine.trail.open(owner.fields)
     return _write(machine, owner, (*owner.items, *items))
 
 
@@ -96,7 +96,9 @@ def _size(_: Machine, owner: ListValue, __: Arguments) -> Value:
 
 
 def _empty(_: Machine, owner: ListValue, __: Arguments) -> Value:
-    return Known(value=False) if owner.items else (Hole("empty") if owner.open else Known(value=True))
+    return (
+        Known(value=False) if owner.items else (Hole("empty") if owner.open else Known(value=True))
+    )
 
 
 def _at(_: Machine, owner: ListValue, arguments: Arguments) -> Value:
@@ -110,7 +112,7 @@ def _last(_: Machine, owner: ListValue, __: Arguments) -> Value:
 def _resize(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
     count, fill = arguments.get(0), arguments.get(1) or Hole("item")
     if not (isinstance(count, Known) and isinstance(count.value, int)):
-        machine.trail.set(owner.fields, "open", True)  # noqa: FBT003 - a field's value
+        machine.trail.open(owner.fields)
         return NONE
     items = (*owner.items, *[fill] * min(count.value, MAX_ITEMS))
     return _write(machine, owner, items[: max(0, count.value)])
@@ -198,7 +200,11 @@ def _map_size(_: Machine, owner: MapValue, __: Arguments) -> Value:
 
 
 def _map_empty(_: Machine, owner: MapValue, __: Arguments) -> Value:
-    return Known(value=False) if owner.entries else (Hole("empty") if owner.open else Known(value=True))
+    return (
+        Known(value=False)
+        if owner.entries
+        else (Hole("empty") if owner.open else Known(value=True))
+    )
 
 
 _END = Known("end()")

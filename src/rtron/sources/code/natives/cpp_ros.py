@@ -18,6 +18,7 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 from rtron.sources.code.natives import endpoints
+from rtron.sources.code.natives.cpp import cpp
 from rtron.sources.code.natives.names import node_namespace, parameter, remapped, resolve
 from rtron.sources.code.natives.node_handle import (
     ENDPOINT,
@@ -57,7 +58,11 @@ def _texts(arguments: Arguments) -> list[Value]:
 
 
 def _no_options(_: Machine, arguments: Arguments) -> Value:
-    return Instance(OPTIONS, {"options": _UNKNOWN, "type": Known("")}) if arguments else Hole("options")
+    return (
+        Instance(OPTIONS, {"options": _UNKNOWN, "type": Known("")})
+        if arguments
+        else Hole("options")
+    )
 
 
 def _init_options(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
@@ -103,8 +108,12 @@ def _subscribe_camera(machine: Machine, owner: Value, arguments: Arguments) -> V
 def _hints(machine: Machine, arguments: Arguments) -> Value:
     """`TransportHints(default, ros_hints, handle)`: the parameter `image_transport` decides."""
     default = next(iter(_texts(arguments)), Known("raw"))
-    given = next((v for v in arguments.values if isinstance(v, Instance) and "namespace" in v.fields), None)
-    found = parameter(machine, in_handle(machine, given or private_handle(machine), Known("image_transport")))
+    given = next(
+        (v for v in arguments.values if isinstance(v, Instance) and "namespace" in v.fields), None
+    )
+    found = parameter(
+        machine, in_handle(machine, given or private_handle(machine), Known("image_transport"))
+    )
     chosen = default if found is None or isinstance(found, Hole) else found
     return Instance(_HINTS, {"transport": chosen})
 
@@ -152,7 +161,7 @@ def _takes_callbacks(machine: Machine, owner: Value, arguments: Arguments) -> Va
 
 
 def _transforms(
-    kind: DeclarationKind, static: bool, machine: Machine, arguments: Arguments  # noqa: FBT001
+    kind: DeclarationKind, machine: Machine, arguments: Arguments, *, static: bool = False
 ) -> Value:
     endpoints.transforms(machine, kind, arguments, static=static)
     return Instance(ENDPOINT)
@@ -197,8 +206,12 @@ def _bond(machine: Machine, arguments: Arguments) -> Value:
     return Instance(ENDPOINT)
 
 
-def _nodelet_handle(private: bool, machine: Machine, _: Value, __: Arguments) -> Value:  # noqa: FBT001
-    return private_handle(machine) if private else handle(Known(node_namespace(machine)))
+def _nodelet_handle(machine: Machine, _: Value, __: Arguments) -> Value:
+    return handle(Known(node_namespace(machine)))
+
+
+def _nodelet_private_handle(machine: Machine, _: Value, __: Arguments) -> Value:
+    return private_handle(machine)
 
 
 def _nodelet_name(machine: Machine, _: Value, __: Arguments) -> Value:
@@ -215,7 +228,7 @@ def _create_instance(machine: Machine, owner: Instance, arguments: Arguments) ->
     base = owner.fields.get("base", _UNKNOWN)
     for option in options(arguments.get(0)):
         if isinstance(option, Known) and isinstance(base, Known):
-            made = machine.world.plugin(str(option.value), str(base.value), arguments)
+            made = cpp(machine).plugin(str(option.value), str(base.value), arguments)
             if made is not None:
                 return made
         what = f"plugin {spelled(option)}"
@@ -258,7 +271,9 @@ def _marker_server(machine: Machine, arguments: Arguments) -> Value:
         (_PUBLISH, "update_full", "visualization_msgs/InteractiveMarkerInit"),
         (_SUBSCRIBE, "feedback", "visualization_msgs/InteractiveMarkerFeedback"),
     ):
-        endpoints.declare(machine, kind, endpoints.below(base, name), type, arguments, implicit=True)
+        endpoints.declare(
+            machine, kind, endpoints.below(base, name), type, arguments, implicit=True
+        )
     return Instance(ENDPOINT)
 
 
@@ -307,7 +322,12 @@ _LOADER = NativeClass(
     _loader,
     {
         **dict.fromkeys(
-            ("createInstance", "createClassInstance", "createUnmanagedInstance", "createUniqueInstance"),
+            (
+                "createInstance",
+                "createClassInstance",
+                "createUnmanagedInstance",
+                "createUniqueInstance",
+            ),
             _create_instance,
         ),
         "getName": _plugin_name,
@@ -318,20 +338,19 @@ _LOADER = NativeClass(
 _NODELET = NativeClass(
     "nodelet::Nodelet",
     methods={
-        **{name: partial(_nodelet_handle, False) for name in ("getNodeHandle", "getMTNodeHandle")},
-        **{
-            name: partial(_nodelet_handle, True)
-            for name in ("getPrivateNodeHandle", "getMTPrivateNodeHandle")
-        },
+        **dict.fromkeys(("getNodeHandle", "getMTNodeHandle"), _nodelet_handle),
+        **dict.fromkeys(
+            ("getPrivateNodeHandle", "getMTPrivateNodeHandle"), _nodelet_private_handle
+        ),
         "getName": _nodelet_name,
     },
 )
 _NODELET_LOADER = NativeClass("nodelet::Loader", _nodelet_loader)
 
 _POINTER = NativeClass("pointer", lambda machine, arguments: arguments.get(0) or NONE)
-_RECEIVE = partial(_transforms, _SUBSCRIBE, False)
-_SEND = partial(_transforms, _PUBLISH, False)
-_SEND_STATIC = partial(_transforms, _PUBLISH, True)
+_RECEIVE = partial(_transforms, _SUBSCRIBE)
+_SEND = partial(_transforms, _PUBLISH)
+_SEND_STATIC = partial(_transforms, _PUBLISH, static=True)
 
 _MADE: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("tf::TransformListener", "tf2_ros::TransformListener"), _RECEIVE),
@@ -362,18 +381,28 @@ CPP_ROS_CLASSES: dict[str, NativeClass] = {
     **{
         native.name: native
         for native in (
-            NODE_HANDLE, _TRANSPORT, _HINTS, _FILTER, _IMAGE_FILTER, _RECONFIGURE, _UPDATER,
-            _CAMERA_INFO, _LOADER, _NODELET, _NODELET_LOADER,
+            NODE_HANDLE,
+            _TRANSPORT,
+            _HINTS,
+            _FILTER,
+            _IMAGE_FILTER,
+            _RECONFIGURE,
+            _UPDATER,
+            _CAMERA_INFO,
+            _LOADER,
+            _NODELET,
+            _NODELET_LOADER,
         )
     },
     **dict.fromkeys(("ros::Publisher", "ros::Subscriber", "ros::ServiceServer"), ENDPOINT),
     **dict.fromkeys(("ros::ServiceClient", "ros::Timer", "ros::WallTimer"), ENDPOINT),
     **dict.fromkeys(("image_transport::Publisher", "image_transport::Subscriber"), ENDPOINT),
-    **dict.fromkeys(("image_transport::CameraPublisher", "image_transport::CameraSubscriber"), ENDPOINT),
+    **dict.fromkeys(
+        ("image_transport::CameraPublisher", "image_transport::CameraSubscriber"), ENDPOINT
+    ),
     **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _POINTER),
     "nodelet_topic_tools::NodeletLazy": _NODELET,
     "CameraInfoManager": _CAMERA_INFO,
 }
 CPP_ROS_FUNCTIONS = {name: Native(name, call) for name, call in FUNCTIONS.items()}
 OPTIONS.methods.update(init=_init_options, initByFullCallbackType=_init_options)
-

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Any
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.calling import dispatch
@@ -30,10 +31,15 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 from rtron.sources.code.ir import TypeRef
+from rtron.sources.code.natives.cpp import cpp
 from rtron.sources.code.natives.started import shell_words, started_by_words
 
+_SIZE_AND_FILL = 2
+_KEY_AND_VALUE = 2
 _NUMBERS: Mapping[str, object] = {
-    **dict.fromkeys(("int", "long", "short", "size_t", "unsigned", "uint32_t", "int32_t", "uint8_t"), 0),
+    **dict.fromkeys(
+        ("int", "long", "short", "size_t", "unsigned", "uint32_t", "int32_t", "uint8_t"), 0
+    ),
     **dict.fromkeys(("double", "float"), 0.0),
     "bool": False,
 }
@@ -47,7 +53,7 @@ def _text(_: Machine, arguments: Arguments) -> Value:
 
 
 def _number(name: str, _: Machine, arguments: Arguments) -> Value:
-    """A number that is not initialised may be anything."""
+    """Make a number; one that is not initialised may be anything."""
     given = arguments.get(0)
     return Hole(name) if given is None else given
 
@@ -57,7 +63,7 @@ def _as_item(machine: Machine, item: Value, arguments: Arguments, at: int = 0) -
     if not isinstance(item, ListValue) or len(arguments.types) <= at:
         return item
     inner = Arguments(values=item.items, line=arguments.line, frame=arguments.frame)
-    made = machine.world.make(arguments.types[at], inner)
+    made = cpp(machine).make(arguments.types[at], inner)
     return item if isinstance(made, Hole) else made
 
 
@@ -66,7 +72,11 @@ def _vector(machine: Machine, arguments: Arguments) -> Value:
     if isinstance(given, ListValue):
         items = tuple(_as_item(machine, item, arguments) for item in given.items)
         return ListValue({**given.fields, "items": items})
-    if isinstance(given, Known) and isinstance(given.value, int) and len(arguments.values) <= 2:  # noqa: PLR2004
+    if (
+        isinstance(given, Known)
+        and isinstance(given.value, int)
+        and len(arguments.values) <= _SIZE_AND_FILL
+    ):
         fill = arguments.get(1) or Hole("item")
         return listed([fill] * max(0, min(given.value, 256)))
     if given is not None and all(_is_item(value) for value in arguments.values):
@@ -96,9 +106,9 @@ def _map(machine: Machine, arguments: Arguments) -> Value:
 
 def _missing(machine: Machine, arguments: Arguments) -> Callable[[], Value] | None:
     """`m[key]` makes a default of the mapped type where there is no entry (std::map)."""
-    if len(arguments.types) < 2:  # noqa: PLR2004 - key and value
+    if len(arguments.types) < _KEY_AND_VALUE:
         return None
-    return partial(machine.world.default, arguments.types[1], arguments.frame)
+    return partial(cpp(machine).default, arguments.types[1], arguments.frame)
 
 
 def _array(machine: Machine, arguments: Arguments) -> Value:
@@ -111,7 +121,7 @@ def _array(machine: Machine, arguments: Arguments) -> Value:
     size = int(types[1].name) if len(types) > 1 and types[1].name.isdigit() else 0
     element: Value = Hole("item")
     if types:
-        element = machine.world.default(types[0], arguments.frame)
+        element = cpp(machine).default(types[0], arguments.frame)
     return ListValue({"items": (element,) * min(size, 64), "open": size == 0})
 
 
@@ -125,13 +135,13 @@ def _make_pair(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 
 def _pointer(_: Machine, arguments: Arguments) -> Value:
-    """A smart pointer is what it points at."""
+    """Make a smart pointer, which is what it points at."""
     return arguments.get(0) or NONE
 
 
 def _make_shared(machine: Machine, _: object, arguments: Arguments) -> Value:
     type = arguments.types[0] if arguments.types else TypeRef("?")
-    return machine.world.make(type, arguments)
+    return cpp(machine).make(type, arguments)
 
 
 def _same(_: Machine, __: object, arguments: Arguments) -> Value:
@@ -156,7 +166,7 @@ def _lexical_cast(machine: Machine, _: object, arguments: Arguments) -> Value:
     return _parsed(float if target in {"double", "float"} else int, machine, None, arguments)
 
 
-def _parsed(make: Callable[[object], object], _: Machine, __: object, arguments: Arguments) -> Value:
+def _parsed(make: Callable[[Any], object], _: Machine, __: object, arguments: Arguments) -> Value:
     value = arguments.get(0)
     if not isinstance(value, Known):
         return Hole("number", value is not None and is_tainted(value))
@@ -252,7 +262,13 @@ def _bind(_: Machine, __: object, arguments: Arguments) -> Value:
     if called.owner is not None and given and given[0] is called.owner:
         given = given[1:]
     return FunctionValue(
-        called.function, called.closure, called.owner, given, called.cls, called.types, called.overloads
+        called.function,
+        called.closure,
+        called.owner,
+        given,
+        called.cls,
+        called.types,
+        called.overloads,
     )
 
 
@@ -264,7 +280,7 @@ def _method(called: FunctionValue, owner: Instance, given: tuple[Value, ...]) ->
 
 
 def _thread(machine: Machine, arguments: Arguments) -> Value:
-    """A thread runs what it is given."""
+    """Make a thread, which runs what it is given."""
     bound = _bind(machine, None, arguments) if len(arguments.values) > 1 else arguments.get(0)
     machine.escape(bound)
     return Instance(_THREAD)
@@ -311,8 +327,8 @@ def _for_each(machine: Machine, _: object, arguments: Arguments) -> Value:
     return NONE
 
 
-def _exit(machine: Machine, _: object, __: Arguments) -> Value:
-    """The program ends here."""
+def _exit(_: Machine, __: object, ___: Arguments) -> Value:
+    """End the program."""
     raise ThrownError("SystemExit")
 
 
@@ -330,7 +346,7 @@ def _split(machine: Machine, _: object, arguments: Arguments) -> Value:
     if not isinstance(words, ListValue):
         return NONE
     if not (isinstance(text, Known) and isinstance(separators, Known)):
-        machine.trail.set(words.fields, "open", True)  # noqa: FBT003 - a field's value
+        machine.trail.open(words.fields)
         return words
     pieces = str(text.value)
     for letter in str(separators.value)[1:]:
@@ -397,6 +413,8 @@ _MAKERS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("thread", "async"), _thread),
     "function": _function,
 }
+
+
 def _get_item(_: Machine, __: object, arguments: Arguments) -> Value:
     """`std::get<0>(tuple)`."""
     at = arguments.types[0].name if arguments.types else ""
@@ -406,7 +424,9 @@ def _get_item(_: Machine, __: object, arguments: Arguments) -> Value:
 
 _CALLS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("make_shared", "make_unique"), _make_shared),
-    **dict.fromkeys(("move", "ref", "cref", "forward", "static_pointer_cast", "dynamic_pointer_cast"), _same),
+    **dict.fromkeys(
+        ("move", "ref", "cref", "forward", "static_pointer_cast", "dynamic_pointer_cast"), _same
+    ),
     "make_pair": _make_pair,
     "to_string": _to_string,
     "lexical_cast": _lexical_cast,
@@ -463,4 +483,3 @@ PLACEHOLDERS = {
 }
 CPP_STD_CLASSES = _classes()
 CPP_STD_FUNCTIONS = _functions()
-

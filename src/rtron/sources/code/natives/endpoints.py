@@ -18,7 +18,7 @@ _PUBLISH = DeclarationKind.PUBLISH
 _SUBSCRIBE = DeclarationKind.SUBSCRIBE
 
 
-def declare(  # noqa: PLR0913 - a declaration's parts
+def declare(
     machine: Machine,
     kind: DeclarationKind,
     name: Value,
@@ -52,10 +52,8 @@ def dynamic_reconfigure(machine: Machine, namespace: Value, at: Arguments) -> No
 
 def transforms(machine: Machine, kind: DeclarationKind, at: Arguments, *, static: bool) -> None:
     """Record that a node sends or hears transforms (ROS wiki: tf2)."""
-    names = ("/tf_static",) if static else ("/tf",)
-    if kind is _SUBSCRIBE:
-        names = ("/tf", "/tf_static")
-    for name in names:
+    sent = ("/tf_static",) if static else ("/tf",)
+    for name in ("/tf", "/tf_static") if kind is _SUBSCRIBE else sent:
         declare(machine, kind, Known(name), "tf2_msgs/TFMessage", at, implicit=True)
 
 

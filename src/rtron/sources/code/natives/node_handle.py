@@ -26,6 +26,7 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.natives import endpoints
+from rtron.sources.code.natives.cpp import cpp
 from rtron.sources.code.natives.names import (
     node_namespace,
     parameter,
@@ -36,6 +37,7 @@ from rtron.sources.code.natives.names import (
 from rtron.sources.declaration import DeclarationKind
 
 _UNKNOWN = Hole("?")
+_NAME_AND_DEFAULT = 2
 
 
 def make_handle(machine: Machine, arguments: Arguments) -> Value:
@@ -78,7 +80,7 @@ def message_of(machine: Machine, type: TypeRef | None, arguments: Arguments) -> 
     """Return a C++ type as a message type, typedefs and template parameters followed."""
     if type is None:
         return ""
-    return machine.world.message_in(type, arguments.frame.scope, arguments.frame.types)
+    return cpp(machine).message_in(type, arguments.frame.scope, arguments.frame.types)
 
 
 def callback_message(machine: Machine, arguments: Arguments, first: int) -> str:
@@ -97,8 +99,8 @@ def _message_taken(machine: Machine, callback: FunctionValue, arguments: Argumen
     for function in callback.overloads or (callback.function,):
         if at < len(function.params):
             scope = function.name.rpartition("::")[0]
-            types = {**dict(arguments.frame.types), **machine.world.types_of(callback)}
-            return machine.world.message_in(function.params[at].type, scope, types)
+            types = {**dict(arguments.frame.types), **cpp(machine).types_of(callback)}
+            return cpp(machine).message_in(function.params[at].type, scope, types)
     return ""
 
 
@@ -107,9 +109,13 @@ def escape_all(machine: Machine, arguments: Arguments) -> None:
     owners = [value for value in arguments.values if isinstance(value, Instance)]
     for value in arguments.values:
         for option in options(value):
-            if isinstance(option, FunctionValue) and option.owner is None and owners:
-                option = machine.world.owned(option, owners[0])  # noqa: PLW2901 - the method's object
-            machine.escape(option)
+            machine.escape(_with_object(machine, option, owners))
+
+
+def _with_object(machine: Machine, value: Value, owners: list[Instance]) -> Value:
+    if isinstance(value, FunctionValue) and value.owner is None and owners:
+        return cpp(machine).owned(value, owners[0])
+    return value
 
 
 def advertise(machine: Machine, owner: Value, arguments: Arguments) -> Value:
@@ -147,7 +153,11 @@ def subscribe(machine: Machine, owner: Value, arguments: Arguments) -> Value:
 
 def _service(kind: DeclarationKind, machine: Machine, owner: Value, arguments: Arguments) -> Value:
     first = arguments.get(0)
-    given = first.fields["options"] if isinstance(first, Instance) and "options" in first.fields else first
+    given = (
+        first.fields["options"]
+        if isinstance(first, Instance) and "options" in first.fields
+        else first
+    )
     name = in_handle(machine, owner, given)
     type = typed(machine, arguments) or _service_type(callback_message(machine, arguments, 1))
     if not type and arguments.types:
@@ -171,7 +181,7 @@ def options_of(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 def param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     """`param("name", variable, default)`, `param<T>("name", default)`."""
-    written = len(arguments.values) > 2  # noqa: PLR2004 - name, variable, default
+    written = len(arguments.values) > _NAME_AND_DEFAULT
     default = arguments.get(2 if written else 1) or _UNKNOWN
     found = _of_cpp(parameter(machine, in_handle(machine, owner, arguments.get(0))))
     value = or_default(found, default)
@@ -362,4 +372,3 @@ FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::SubscribeOptions::create": options_of,
     "ros::ok": lambda machine, owner, arguments: Hole("ok"),
 }
-

@@ -79,14 +79,16 @@ def _parse_known_args(machine: Machine, owner: Instance, arguments: Arguments) -
 def _parsed(machine: Machine, owner: Instance, arguments: Arguments) -> tuple[Value, Value]:
     given = arguments.get(0, "args")
     if given is None or given == NONE:
-        given = ListValue({"items": command_line(machine.recorder.site).items[1:]})
-    words, _ = items_of(given)
-    return _namespace(machine, owner, words, arguments)
+        line = command_line(machine.recorder.site)
+        given = ListValue({"items": line.items[1:], "open": line.open})
+    words, certain = items_of(given)
+    namespace, rest = _namespace(machine, owner, words, arguments)
+    return namespace, ListValue({"items": tuple(rest), "open": not certain})
 
 
 def _namespace(
     machine: Machine, owner: Instance, words: tuple[Value, ...], at: Arguments
-) -> tuple[Value, Value]:
+) -> tuple[Value, list[Value]]:
     """Return the values of all options, and the words that none of them takes."""
     options = [option for option in owner.fields.values() if isinstance(option, Instance)]
     parser, found, marked = _Parser(add_help=False), argparse.Namespace(), list(_marked(words))
@@ -101,7 +103,7 @@ def _namespace(
         for dest, option in dests.items()
         if dest
     }
-    return Instance(_NAMESPACE, fields), listed([marks.get(word, Known(word)) for word in rest])
+    return Instance(_NAMESPACE, fields), [marks.get(word, Known(word)) for word in rest]
 
 
 def _marked(words: tuple[Value, ...]) -> Iterator[tuple[str, Value]]:
@@ -112,7 +114,9 @@ def _marked(words: tuple[Value, ...]) -> Iterator[tuple[str, Value]]:
 
 def _added(parser: _Parser, option: Instance) -> str:
     """Add an option to the real parser; return where its value goes, empty if it cannot be."""
-    flags = [str(flag.value) for flag in items_of(option.fields["flags"])[0] if isinstance(flag, Known)]
+    flags = [
+        str(flag.value) for flag in items_of(option.fields["flags"])[0] if isinstance(flag, Known)
+    ]
     given = {name: option.fields.get(name) for name in _PLAIN}
     plain: dict[str, Any] = {n: v.value for n, v in given.items() if isinstance(v, Known)}
     if plain.get("action", "store") not in _ACTIONS:

@@ -40,7 +40,9 @@ def _str(_: Machine, __: object, arguments: Arguments) -> Value:
     return concat((arguments.get(0) or Known(""),))
 
 
-def _number(make: Callable[[object], object], _: Machine, __: object, arguments: Arguments) -> Value:
+def _number(
+    make: Callable[[object], object], _: Machine, __: object, arguments: Arguments
+) -> Value:
     def made(value: Value) -> Value:
         if not isinstance(value, Known):
             return value
@@ -64,14 +66,18 @@ def _len(_: Machine, __: object, arguments: Arguments) -> Value:
 
 
 def _range(_: Machine, __: object, arguments: Arguments) -> Value:
-    numbers = [v.value for v in arguments.values if isinstance(v, Known) and isinstance(v.value, int)]
+    numbers = [
+        v.value for v in arguments.values if isinstance(v, Known) and isinstance(v.value, int)
+    ]
     if len(numbers) != len(arguments.values) or not 1 <= len(numbers) <= 3:  # noqa: PLR2004
         return Hole("range")
     try:
         found = range(*numbers)
     except ValueError:
         return Hole("range")
-    return ListValue({"items": tuple(map(Known, found[:MAX_RANGE])), "open": len(found) > MAX_RANGE})
+    return ListValue(
+        {"items": tuple(map(Known, found[:MAX_RANGE])), "open": len(found) > MAX_RANGE}
+    )
 
 
 def _open(_: Machine, __: object, arguments: Arguments) -> Value:
@@ -80,7 +86,9 @@ def _open(_: Machine, __: object, arguments: Arguments) -> Value:
 
 def _slice(_: Machine, __: object, arguments: Arguments) -> Value:
     values = arguments.values if len(arguments.values) > 1 else (NONE, *arguments.values)
-    return Instance(SLICE, dict(zip(("start", "stop", "step"), (*values, NONE, NONE), strict=False)))
+    return Instance(
+        SLICE, dict(zip(("start", "stop", "step"), (*values, NONE, NONE), strict=False))
+    )
 
 
 def _enumerate(_: Machine, __: object, arguments: Arguments) -> Value:
@@ -124,7 +132,9 @@ def _map(machine: Machine, _: object, arguments: Arguments) -> Value:
     function, values = arguments.get(0) or Hole("?"), arguments.get(1) or Hole("?")
     items, certain = items_of(values)
     found = [
-        dispatch(machine, function, Arguments(values=(item,), line=arguments.line, frame=arguments.frame))
+        dispatch(
+            machine, function, Arguments(values=(item,), line=arguments.line, frame=arguments.frame)
+        )
         for item in items
     ]
     return ListValue({"items": tuple(found), "open": not certain})
@@ -194,7 +204,9 @@ def _sum(_: Machine, __: object, arguments: Arguments) -> Value:
 
 
 def _extreme(pick: Callable[..., object], _: Machine, __: object, arguments: Arguments) -> Value:
-    values = arguments.values if len(arguments.values) > 1 else items_of(arguments.get(0) or NONE)[0]
+    values = (
+        arguments.values if len(arguments.values) > 1 else items_of(arguments.get(0) or NONE)[0]
+    )
     known = [value.value for value in values if isinstance(value, Known)]
     if not known or len(known) != len(values):
         return Hole("extreme")
@@ -279,4 +291,3 @@ BUILTINS: Mapping[str, Value] = {
     **{name: Foreign(name) for name in ("object", "property", "staticmethod", "classmethod")},
     **{name: Native(name, call) for name, call in _CALLS.items()},
 }
-

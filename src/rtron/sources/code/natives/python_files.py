@@ -48,7 +48,9 @@ def _parsed(text: str) -> Value:
 
 
 def _read(machine: Machine, owner: Instance, _: Arguments) -> Value:
-    found = [_text(machine, Instance(FILE, {"path": path})) for path in options(owner.fields["path"])]
+    found = [
+        _text(machine, Instance(FILE, {"path": path})) for path in options(owner.fields["path"])
+    ]
     text = found[0] if len(found) == 1 else None
     return Hole("file") if text is None else known_text(text, tainted=True)
 

@@ -6,7 +6,7 @@ from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.items import items_of, listed
-from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.values import (
     NONE,
     Foreign,
@@ -22,6 +22,7 @@ from rtron.sources.code.interpreter.values import (
     options,
     spelled,
 )
+from rtron.sources.code.natives.dataclass import DATACLASSES
 from rtron.sources.code.natives.python_arguments import PYTHON_ARGUMENTS, command_line
 from rtron.sources.code.natives.python_collections import PYTHON_COLLECTIONS
 from rtron.sources.code.natives.python_files import PYTHON_FILES
@@ -59,8 +60,17 @@ def _getenv(machine: Machine, _: object, arguments: Arguments) -> Value:
     return Hole("environ")
 
 
-def _myargv(machine: Machine, _: object, __: Arguments) -> Value:
-    return command_line(machine.recorder.site)
+def _myargv(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`myargv(argv)`: the words without the remappings among them."""
+    words = arguments.get(0, "argv") or command_line(machine.recorder.site)
+    items, certain = items_of(words)
+    kept = [item for item in items if ":=" not in spelled(item)]
+    return ListValue({"items": tuple(kept), "open": not certain})
+
+
+def _exit(_: Machine, __: object, ___: Arguments) -> Value:
+    """`sys.exit()` ends the program, as an exception does."""
+    raise ThrownError("SystemExit")
 
 
 def _package_path(machine: Machine, _: object, arguments: Arguments) -> Value:
@@ -126,7 +136,9 @@ def _resolve_launch(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 def _launch_node(machine: Machine, _: object, arguments: Arguments) -> Value:
     """`roslaunch.core.Node(package, node_type, …)`, started by `ROSLaunch().launch(node)`."""
-    package, type = (spelled(arguments.get(n, k) or Hole("?")) for n, k in ((0, "package"), (1, "node_type")))
+    package, type = (
+        spelled(arguments.get(n, k) or Hole("?")) for n, k in ((0, "package"), (1, "node_type"))
+    )
     machine.recorder.start(f"{package}/{type}", ("rosrun",), arguments.evidence)
     return Instance(_LAUNCH)
 
@@ -134,7 +146,10 @@ def _launch_node(machine: Machine, _: object, arguments: Arguments) -> Value:
 _ROSPACK = NativeClass("rospkg.RosPack", methods={"get_path": _package_path})
 _LAUNCH = NativeClass(
     "roslaunch",
-    methods={"load": _launch_load, **{n: (lambda m, o, a: NONE) for n in ("start", "launch", "shutdown", "spin")}},
+    methods={
+        "load": _launch_load,
+        **{n: (lambda m, o, a: NONE) for n in ("start", "launch", "shutdown", "spin")},
+    },
 )
 
 
@@ -147,10 +162,15 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
         f"os.path.{name}": partial(_path, getattr(os.path, name))
         for name in ("join", "dirname", "basename", "normpath", "splitext")
     },
-    **dict.fromkeys(("os.path.abspath", "os.path.realpath", "os.path.expanduser"), partial(_path, os.path.normpath)),
+    **dict.fromkeys(
+        ("os.path.abspath", "os.path.realpath", "os.path.expanduser"),
+        partial(_path, os.path.normpath),
+    ),
     "os.getenv": _getenv,
     "os.environ.get": _getenv,
     "os.system": _run,
+    "sys.exit": _exit,
+    "os._exit": _exit,
     "os.popen": _run,
     **{f"subprocess.{n}": _run for n in ("Popen", "call", "check_call", "check_output", "run")},
     "rospy.myargv": _myargv,
@@ -167,6 +187,7 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "roslaunch.Node": _launch_node,
 }
 PYTHON_LIBRARY: Mapping[str, Value] = {
+    **DATACLASSES,
     **PYTHON_ARGUMENTS,
     **PYTHON_COLLECTIONS,
     **PYTHON_FILES,
@@ -184,5 +205,3 @@ def constants(machine: Machine) -> dict[str, Value]:
         "os.sep": Known("/"),
         "sys.version_info.major": Known(3),
     }
-
-

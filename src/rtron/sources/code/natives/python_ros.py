@@ -42,9 +42,7 @@ def type_name(value: Value | None) -> str:
     return ""
 
 
-def _endpoint(
-    kind: DeclarationKind, machine: Machine, _: object, arguments: Arguments
-) -> Instance:
+def _endpoint(kind: DeclarationKind, machine: Machine, _: object, arguments: Arguments) -> Instance:
     """`Publisher(name, data_class, …)`, `Subscriber(name, data_class, callback, …)` and so on."""
     name = resolve(machine, arguments.get(0, "name") or Hole("?"))
     type = type_name(arguments.get(1, "data_class") or arguments.get(1, "service_class"))
@@ -167,7 +165,11 @@ def _reconfigure_client(machine: Machine, _: object, arguments: Arguments) -> Va
 
 
 def _transforms(
-    kind: DeclarationKind, static: bool, machine: Machine, _: object, arguments: Arguments  # noqa: FBT001
+    kind: DeclarationKind,
+    static: bool,
+    machine: Machine,
+    _: object,
+    arguments: Arguments,  # noqa: FBT001
 ) -> Value:
     endpoints.transforms(machine, kind, arguments, static=static)
     return Instance(_ENDPOINT)
@@ -197,7 +199,8 @@ def _message_class(_: Machine, __: object, arguments: Arguments) -> Value:
     """`get_message_class("std_msgs/String")` (roslib.message)."""
 
     def named(value: Value) -> Value:
-        return MessageType(str(value.value)) if isinstance(value, Known) else Hole("message class")
+        is_type = isinstance(value, Known) and str(value.value).count("/") == 1
+        return MessageType(spelled(value)) if is_type else Hole("message class")
 
     return each(arguments.get(0) or Hole("?"), named)
 

@@ -64,7 +64,9 @@ def _plain_in_part(name: str, owner: Text, values: list[Any]) -> Value:
         ]
     except (TypeError, ValueError):
         return Hole(name, owner.tainted)
-    return concat([part if isinstance(part, Hole) else Known(part, owner.tainted) for part in parts])
+    return concat(
+        [part if isinstance(part, Hole) else Known(part, owner.tainted) for part in parts]
+    )
 
 
 def _decided_at_end(name: str, owner: Text, values: list[Any]) -> Value:

@@ -19,7 +19,9 @@ from rtron.sources.code.interpreter.values import (
 )
 
 
-def _beside(machine: Machine, target: Value | None, args: Value | None, named: Value | None) -> None:
+def _beside(
+    machine: Machine, target: Value | None, args: Value | None, named: Value | None
+) -> None:
     given = items_of(args)[0] if args is not None else ()
     keywords = {str(k): v for k, v in named.entries.items()} if isinstance(named, MapValue) else {}
     for option in options(target):

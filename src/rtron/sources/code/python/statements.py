@@ -230,6 +230,16 @@ def _taken_apart(node: ast.arguments, source: Source) -> _Stmts:
 def _(node: ast.ClassDef, source: Source) -> _Stmts:
     decorators = expressions(node.decorator_list, source)
     bases: tuple[Expr, ...] = expressions(node.bases, source)
-    body = statements(node.body, source)
+    body = (*_declared(node), *statements(node.body, source))
     made = ir.Class(name=node.name, file=source.file, line=node.lineno, bases=bases, body=body)
     return (ir.Define(made, decorators),)
+
+
+def _declared(node: ast.ClassDef) -> _Stmts:
+    """Keep the fields that a decorated class only annotates, for a dataclass, as `__fields__`."""
+    bare = [part for part in node.body if isinstance(part, ast.AnnAssign) and part.value is None]
+    names = [ir.Const(part.target.id) for part in bare if isinstance(part.target, ast.Name)]
+    if not names or not node.decorator_list:
+        return ()
+    fields = ir.Sequence(tuple(names), "tuple")
+    return (ir.Assign((ir.Name("__fields__"),), fields, node.lineno),)

@@ -1,0 +1,192 @@
+"""C++'s types and classes: what a name of a type means, and the methods of a class."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.files import Files
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.symbols import Symbols
+from rtron.sources.code.interpreter.values import (
+    ClassValue,
+    Foreign,
+    FunctionValue,
+    Instance,
+    Native,
+    NativeClass,
+    Value,
+)
+from rtron.sources.code.ir import (
+    Class,
+    Function,
+    TypeRef,
+)
+from rtron.sources.code.natives.messages import cpp_message, cpp_message_name
+
+_MAX_BASES = 32
+
+
+@dataclass(eq=False, slots=True, kw_only=True)
+class CppTypes:
+    """The types of one program: its symbols, and the classes of the libraries that RTron knows."""
+
+    files: Files
+    symbols: Symbols
+    native_classes: Mapping[str, NativeClass]
+    _classes: dict[str, ClassValue] = field(default_factory=dict)
+
+    def named(self, name: str) -> tuple[Function, ...]:
+        """Return the functions whose last part is a name."""
+        return self.symbols.named(name)
+
+    def lineage(self, cls: Value) -> Iterator[Value]:
+        """Yield a class and its bases, nearest first."""
+        queue, seen = [cls], 0
+        while queue and seen < _MAX_BASES:
+            seen += 1
+            current = queue.pop(0)
+            yield current
+            if isinstance(current, ClassValue):
+                queue.extend(current.bases)
+
+    def class_of(self, type: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
+        """Return the class that a type means, scanned or native."""
+        resolved = self.resolved(type, frame)
+        if "::" in resolved.name and resolved.name in self.native_classes:
+            return self.native_classes[resolved.name]
+        definition = self.symbols.class_named(resolved.name, frame.scope)
+        if definition is not None:
+            return self._class(definition)
+        for candidate in self.symbols.candidates(resolved.name, frame.scope):
+            if candidate in self.native_classes:
+                return self.native_classes[candidate]
+        return None
+
+    def resolved(self, type: TypeRef, frame: Frame) -> TypeRef:
+        """Return a type with template parameters and typedefs followed."""
+        type = frame.types.get(type.name, type)
+        head, _, rest = type.name.partition("::")
+        if rest and head in frame.types:
+            type = TypeRef(f"{frame.types[head].name}::{rest}", type.args)
+        found = self.symbols.type(type, frame.scope)
+        return TypeRef(found.name, tuple(self.resolved(arg, frame) for arg in found.args))
+
+    def class_named(self, name: str) -> ClassValue | None:
+        """Return a scanned class by its qualified name."""
+        definition = self.symbols.class_named(name, "")
+        return self._class(definition) if definition is not None else None
+
+    def method(self, cls: Value, name: str, owner: Value) -> Value | None:
+        """Return the most derived method of a name, bound to its owner."""
+        for ancestor in self.lineage(cls):
+            if isinstance(ancestor, ClassValue):
+                functions = self.overloads(f"{ancestor.name}::{name}")
+                if functions:
+                    return bound_overloads(functions, owner, ancestor)
+            elif isinstance(ancestor, NativeClass) and name in ancestor.methods:
+                return Native(name, ancestor.methods[name], owner)
+        return None
+
+    def method_names(self, definition: Class) -> list[str]:
+        """Return the names of the methods that a class defines itself."""
+        return self.symbols.methods(definition.name)
+
+    def owned(self, called: FunctionValue, owner: Instance) -> FunctionValue:
+        """Return a method named by `&Class::method`, bound to an object of that class."""
+        cls, _, name = called.function.name.rpartition("::")
+        if not cls or called.function.static or cls not in self._lines(owner):
+            return called
+        found = self.method(owner.type, name, owner)
+        return found if isinstance(found, FunctionValue) else called
+
+    def message_in(self, type: TypeRef | None, scope: str, types: Mapping[str, TypeRef]) -> str:
+        """Return the message that a parameter's type means where its function is written."""
+        if type is None:
+            return ""
+        resolved = self.resolved(type, Frame(file="", scope=scope, types=types))
+        name = cpp_message(resolved)
+        package, _, plain = name.rpartition("/")
+        if name and self.files.has_message(package, plain):
+            return name
+        return self._opened_message(plain or resolved.name.partition("::")[0]) or name
+
+    def _opened_message(self, plain: str) -> str:
+        """Return what `using vector_map_msgs::PointArray` or `using namespace std_msgs` brings."""
+        for using in self.symbols.usings:
+            package, _, name = using.rpartition("::")
+            for owner, what in ((package, name), (using, plain)):
+                if what == plain and self.files.has_message(owner, cpp_message_name(plain)):
+                    return f"{owner}/{cpp_message_name(plain)}"
+        return ""
+
+    def types_of(self, called: FunctionValue) -> Mapping[str, TypeRef]:
+        """Return what a method's template parameters, and those of its class, mean."""
+        own = template_types(called.function, called.types)
+        if not isinstance(called.owner, Instance) or called.cls is None:
+            return own
+        written = called.owner.bindings.get(called.cls.name, called.owner.types)
+        return {**own, **template_types(called.cls.definition, written)}
+
+    def bound_types(self, called: FunctionValue, arguments: Arguments) -> Mapping[str, TypeRef]:
+        """Bind template parameters: of the object's class, written out, or by the arguments."""
+        function, types = called.function, dict(getattr(called.closure, "types", {}))
+        types.update(self.types_of(called))
+        written = called.types or arguments.types
+        resolved = tuple(self.resolved(type, arguments.frame) for type in written)
+        types.update(template_types(function, resolved))
+        return types
+
+    def _lines(self, owner: Instance) -> set[str]:
+        return {cls.name for cls in self.lineage(owner.type) if isinstance(cls, ClassValue)}
+
+    def _class(self, definition: Class) -> ClassValue:
+        if definition.name not in self._classes:
+            made = ClassValue(definition)
+            self._classes[definition.name] = made
+            frame = Frame(file=definition.file, scope=definition.name.rpartition("::")[0])
+            made.bases = tuple(
+                self.class_of(base, frame) or Foreign(base.name)
+                for base in definition.bases
+                if isinstance(base, TypeRef)
+            )
+        return self._classes[definition.name]
+
+    def overloads(self, name: str) -> tuple[Function, ...]:
+        """Return the functions of a qualified name, those with a body if there are any."""
+        functions = self.symbols.functions.get(name, [])
+        defined = [function for function in functions if function.body is not None]
+        return tuple(_with_defaults(defined, functions) if defined else functions)
+
+
+def bound_overloads(
+    functions: tuple[Function, ...], owner: Value, cls: ClassValue
+) -> FunctionValue:
+    """Return a method that may be one of several, bound to its owner."""
+    return FunctionValue(functions[0], owner=owner, cls=cls, overloads=functions)
+
+
+def template_types(
+    definition: Function | Class, written: tuple[TypeRef, ...]
+) -> dict[str, TypeRef]:
+    """Return what template parameters mean: what is written, else their defaults."""
+    return {**dict(definition.defaults), **dict(zip(definition.template, written, strict=False))}
+
+
+def _with_defaults(defined: list[Function], all_: list[Function]) -> Iterator[Function]:
+    """Yield the defined functions; default arguments stand where they are declared."""
+    for function in defined:
+        alike = [
+            other
+            for other in all_
+            if other.body is None and len(other.params) == len(function.params)
+        ]
+        source = next((o for o in alike if any(p.default is not None for p in o.params)), None)
+        yield _defaulted(function, source) if source is not None else function
+
+
+def _defaulted(function: Function, declared: Function) -> Function:
+    params = tuple(
+        replace(param, default=param.default or other.default)
+        for param, other in zip(function.params, declared.params, strict=True)
+    )
+    return replace(function, params=params)
