@@ -38,6 +38,7 @@ AUTORACE = App(
     ),
     environ={
         "TURTLEBOT3_MODEL": "burger",
+        "ROS_DISTRO": "noetic",
         "GAZEBO_MODE": "true",
         "AUTO_IN_CALIB": "action",
         "AUTO_EX_CALIB": "action",

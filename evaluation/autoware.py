@@ -51,7 +51,7 @@ AUTOWARE = App(
             ("drivers/as", "ssc_interface"),
         )
     ),
-    environ={"HOME": "/home/user"},
+    environ={"HOME": "/home/user", "ROS_DISTRO": "melodic"},
 )
 PAPER = {"Perception": 11, "Planning": 3, "Control": 2, "FMN": 1, "RSRCN": 1, "MSRCN": 1}
 

@@ -45,6 +45,7 @@ AUTORALLY = App(
         "AR_JOYSTICK": "",
         "HOSTNAME": "localhost",
         "MASTER_HOSTNAME": "localhost",
+        "ROS_DISTRO": "melodic",
         "ROS_MASTER_URI": "http://localhost:11311",
         "ROSLAUNCH_SSH_UNKNOWN": "0",
     },
@@ -80,6 +81,7 @@ TURTLEBOT = App(
         "TURTLEBOT_GAZEBO_WORLD_FILE": f"{_GAZEBO}/worlds/playground.world",
         "TURTLEBOT_GAZEBO_MAP_FILE": f"{_GAZEBO}/maps/playground.yaml",
         "TURTLEBOT_3D_SENSOR": "kinect",
+        "ROS_DISTRO": "kinetic",
     },
 )
 

@@ -77,6 +77,6 @@ def found(interface):
         words += [flag for flag in ("implicit", "latched") if getattr(declared, flag)]
         spelled.setdefault(KINDS[declared.kind], {}).setdefault(name, []).append(" ".join(words))
     starts = sorted(" ".join((start.path, *start.args)) for start in interface.starts)
-    return {kind: {n: ", ".join(sorted(t)) for n, t in of.items()} for kind, of in spelled.items()} | (
-        {"starts": [start.removeprefix(f"{APP}/") for start in starts]} if starts else {}
-    )
+    return {
+        kind: {n: ", ".join(sorted(t)) for n, t in of.items()} for kind, of in spelled.items()
+    } | ({"starts": [start.removeprefix(f"{APP}/") for start in starts]} if starts else {})

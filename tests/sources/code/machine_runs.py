@@ -8,7 +8,15 @@ from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.declaration import NodeSite
 from rtron.sources.workspace import Workspace
 
-PYTHON = "import rospy\nfrom std_msgs.msg import Bool\n\ndef P(name):\n    rospy.Publisher(name, Bool)\n\n"
+PYTHON = """import rospy
+from std_msgs.msg import Bool
+
+
+def P(name):
+    rospy.Publisher(name, Bool)
+
+
+"""
 CPP = """#include <ros/ros.h>
 #include <std_msgs/Bool.h>
 {top}

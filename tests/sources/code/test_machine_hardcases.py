@@ -24,3 +24,8 @@ def test_every_node_of_the_launch_has_expectations():
 def test_there_is_dead_code_that_could_be_found():
     sources = [path.read_text("latin-1") for path in APP.rglob("*.[cp][py]*") if path.is_file()]
     assert sum(text.count('"dead_') + text.count("'dead_") for text in sources) > 30
+
+
+@pytest.mark.parametrize("node", [name for name in expected() if "leaving" not in name])
+def test_nothing_of_a_node_stays_unresolved(node):
+    assert run(node).unresolved == ()

@@ -20,7 +20,9 @@ class Folder:
     """Units by their file, which a header's name is as well."""
 
     def __init__(self, **units):
-        self.units = {Path(name): Unit(file=name, language=Language.CPP, **u) for name, u in units.items()}
+        self.units = {
+            Path(name): Unit(file=name, language=Language.CPP, **u) for name, u in units.items()
+        }
 
     def unit(self, path):
         return self.units[path]
@@ -74,7 +76,9 @@ def test_more_arguments_than_parameters_are_left():
 
 
 def test_stars_take_the_rest():
-    found = bind(params("a *args !k=1 **kw"), passed(1, 2, 3, k=Known(4), c=Known(5)), lambda n: FALSE)
+    found = bind(
+        params("a *args !k=1 **kw"), passed(1, 2, 3, k=Known(4), c=Known(5)), lambda n: FALSE
+    )
     assert items_of(found["args"]) == ((Known(2), Known(3)), True)
     assert found["k"] == Known(4)
     assert found["kw"].entries == {"c": Known(5)}
@@ -152,7 +156,9 @@ def test_an_opened_namespace_and_a_name_brought_in_are_candidates():
 
 
 def test_aliases_are_followed_and_keep_their_arguments():
-    symbols = loaded(f={"aliases": (("A", TypeRef("B")), ("B", TypeRef("std::vector", (TypeRef("int"),))))})
+    symbols = loaded(
+        f={"aliases": (("A", TypeRef("B")), ("B", TypeRef("std::vector", (TypeRef("int"),))))}
+    )
     assert symbols.type(TypeRef("A"), "") == TypeRef("std::vector", (TypeRef("int"),))
 
 

@@ -81,7 +81,7 @@ def test_join_is_the_same_whatever_is_joined_first(values):
         ([], ""),
         ([Known("")], ""),
         ([Known("a"), Known("b")], "ab"),
-        ([Known("a"), Known(1), Known(True), Known(None), Known(b"x")], "a1TrueNonex"),
+        ([Known("a"), Known(1), TRUE, NONE, Known(b"x")], "a1TrueNonex"),
         ([Known("a"), HOLE, Known("b"), Known("c")], "a{h}bc"),
         ([TEXT, TEXT], "a{h}a{h}"),
         ([HOLE], "{h}"),
@@ -96,6 +96,11 @@ def test_concat_is_known_where_every_part_is():
     assert concat([Known("a"), Known("b")]) == Known("ab")
     assert concat([Known(""), HOLE, Known("")]) == Text((HOLE,))
     assert concat([Known("a"), HOLE, Known("b"), Known("c")]).parts == ("a", HOLE, "bc")
+
+
+def test_concat_of_many_known_parts_is_whole_or_a_hole():
+    whole = concat([Known("a")] * 10 * MAX_PARTS)
+    assert isinstance(whole, (Hole, Text)) or whole == Known("a" * 10 * MAX_PARTS)
 
 
 def test_concat_multiplies_options():

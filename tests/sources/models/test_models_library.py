@@ -343,10 +343,6 @@ def test_ways_to_load_a_controller(args):
     assert names(found, "publish") == {"/arm/joint_states"}
 
 
-def test_a_description_that_is_not_known():
-    assert MODELS.description("kobuki_description", "urdf/none.xacro") is None
-
-
 RVIZ = """
 Visualization Manager:
   Displays:

@@ -8,6 +8,7 @@ import pytest
 from model_cases import parameters, site
 from observed import autorace, modelled, observed
 
+from rtron.sources.gazebo import plugins_of
 from rtron.sources.models import (
     PluginElement,
     controllers,
@@ -15,6 +16,8 @@ from rtron.sources.models import (
     load_models,
     plugin_interface,
 )
+from rtron.sources.models.packages import known_packages
+from rtron.sources.xacro import evaluate_xacro
 
 KINETIC = (("ROS_DISTRO", "kinetic"),)
 MELODIC = (("ROS_DISTRO", "melodic"),)
@@ -151,16 +154,32 @@ def test_the_mobile_base_manager(tmp_path):
     assert modelled(*found, remaps=remaps) == expected
 
 
+def described(path):
+    """Return the plugins of a description that is known here."""
+    packages = known_packages()
+    package, _, rest = path.partition("/")
+    result = evaluate_xacro(packages[package] / rest, {}, packages, {})
+    assert result.unresolved == ()
+    return [
+        PluginElement(
+            filename=plugin.filename,
+            name=plugin.name,
+            values=plugin.values,
+            sensor_name=plugin.sensor.name if plugin.sensor else "",
+            sensor_type=plugin.sensor.type if plugin.sensor else "",
+        )
+        for plugin in plugins_of(result.root)
+    ]
+
+
 def test_gazebo_with_a_turtlebot():
     expected = observed("turtlebot", "/gazebo")
     models = load_models()
-    kobuki = models.description("kobuki_description", "urdf/kobuki_gazebo.urdf.xacro")
-    kinect = models.description("turtlebot_description", "urdf/turtlebot_gazebo.urdf.xacro")
     plugins = [
         plugin_interface(
             models.gazebo_plugin(element.filename), site(name="/gazebo"), element, models
         )
-        for element in (*kobuki.plugins, *kinect.plugins)
+        for element in described("turtlebot_description/robots/kobuki_hexagons_kinect.urdf.xacro")
     ]
     world = found_at("gazebo_ros", "gzserver", name="/gazebo", environ=KINETIC)
     assert modelled(world, *plugins) == expected
@@ -282,11 +301,12 @@ def test_a_node_of_autorace(package, executable, at):
 
 def test_gazebo_of_autorace():
     listed = autorace("/gazebo")
-    path = "urdf/turtlebot3_burger_for_autorace.gazebo.xacro"
     models = load_models()
     plugins = [
         plugin_interface(models.gazebo_plugin(element.filename), site(name="/gazebo"), element)
-        for element in models.description("turtlebot3_description", path).plugins
+        for element in described(
+            "turtlebot3_description/urdf/turtlebot3_burger_for_autorace.urdf.xacro"
+        )
     ]
     world = found_at("gazebo_ros", "gzserver", name="/gazebo", environ=MELODIC)
     names = {(kind, name) for kind, name, _ in modelled(world, *plugins)}

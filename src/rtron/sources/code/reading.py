@@ -10,6 +10,7 @@ from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.ir import Language, Problem, Unit
 from rtron.sources.code.python import lower_python
 from rtron.sources.workspace import Workspace
+from rtron.sources.workspace.files import is_inside
 
 MAX_DATA = 2**20
 _CPP = {
@@ -63,8 +64,9 @@ class WorkspaceFiles:
         return self.workspace.packages.get(package)
 
     def text(self, path: Path) -> str | None:
-        """Return a data file that lies in a package."""
-        if self.workspace.package_of(path) is None or ".." in path.parts:
+        """Return a data file that lies in a package, links followed."""
+        folders = tuple(folder.resolve() for folder in self.workspace.packages.values())
+        if not is_inside(path, folders) or not path.is_file():
             return None
         try:
             return read_bounded(path, MAX_DATA).decode("utf-8", "replace")

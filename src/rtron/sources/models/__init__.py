@@ -1,13 +1,12 @@
 """Well-known nodes and plugins whose source is often absent, as models in YAML."""
 
 from rtron.sources.models.controllers import controllers
-from rtron.sources.models.descriptions import Description, PluginElement
 from rtron.sources.models.evaluate import interface, plugin_interface
 from rtron.sources.models.form import Model
 from rtron.sources.models.models import Models, load_models
+from rtron.sources.models.plugin_element import PluginElement
 
 __all__ = [
-    "Description",
     "Model",
     "Models",
     "PluginElement",

@@ -6,10 +6,10 @@ from itertools import islice
 
 from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
 from rtron.sources.launch.unresolvable import UnresolvableError
-from rtron.sources.models.descriptions import PluginElement
 from rtron.sources.models.expressions import Expressions
 from rtron.sources.models.form import ANY_TYPE, Declare, Model
 from rtron.sources.models.models import Models, load_models
+from rtron.sources.models.plugin_element import PluginElement
 from rtron.sources.models.scope import Scope, scope_at
 from rtron.sources.models.values import Hole, Value, has_hole, hole, truth
 from rtron.vocabulary import Evidence, Resolution, Unresolved

@@ -6,20 +6,17 @@ from functools import cache
 from pathlib import Path, PurePosixPath
 
 from rtron.errors import InputError
-from rtron.sources.models.descriptions import Description, DescriptionForm
 from rtron.sources.models.form import KINDS, Model
 from rtron.sources.models.read import read_form
 
 LIBRARY = Path(__file__).parent / "library"
-DESCRIPTIONS = "descriptions"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Models:
-    """Models by kind and name (`("node", "amcl/amcl")`), descriptions by package and path."""
+    """Models by kind and name (`("node", "amcl/amcl")`)."""
 
     by_name: Mapping[tuple[str, str], Model] = field(default_factory=dict)
-    descriptions: Mapping[tuple[str, str], Description] = field(default_factory=dict)
 
     def node(self, package: str, executable: str) -> Model | None:
         """Return the model of a node type, None if there is none."""
@@ -41,10 +38,6 @@ class Models:
         """Return the model of a costmap layer type."""
         return self.by_name.get(("costmap_layer", type))
 
-    def description(self, package: str, path: str) -> Description | None:
-        """Return what a well-known description file brings, None if it is not known."""
-        return self.descriptions.get((package, path.lstrip("/")))
-
     def named(self, name: str) -> Model | None:
         """Return a model by `kind:name`, or a part by its name."""
         kind, colon, rest = name.partition(":")
@@ -62,13 +55,7 @@ def plugin_name(filename: str) -> str:
 def load_models(folder: Path = LIBRARY) -> Models:
     """Return the models below a folder; raise InputError with file and line where one is wrong."""
     paths = sorted(folder.rglob("*.yaml"))
-    described = [path for path in paths if DESCRIPTIONS in path.relative_to(folder).parts]
-    models = [(path, read_form(path, Model)) for path in paths if path not in described]
-    forms = [read_form(path, DescriptionForm) for path in described]
-    return Models(
-        by_name=_by_name(models),
-        descriptions={key: found for form in forms for key, found in form.descriptions()},
-    )
+    return Models(by_name=_by_name((path, read_form(path, Model)) for path in paths))
 
 
 def _by_name(models: Iterable[tuple[Path, Model]]) -> dict[tuple[str, str], Model]:

@@ -5,6 +5,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rtron.sources.models.packages import known_packages
 from rtron.sources.static.assembly import Assembly
 from rtron.sources.static.cache import open_cache
 from rtron.sources.static.interpreting import Interpreting
@@ -48,7 +49,8 @@ def scan_app(
     launch file is wrong; what is wrong elsewhere stands in the graph's `unresolved`.
     """
     chosen, workspace = options or ScanOptions(), read_workspace(folders, environ)
-    descriptions = RobotDescriptions(packages=workspace.packages, environ=environ)
+    packages = {**known_packages(), **workspace.packages}
+    descriptions = RobotDescriptions(packages=packages, environ=environ)
     state = workspace_state(workspace) if chosen.cache else ""
     interpreting = Interpreting(
         workspace=workspace,
@@ -56,9 +58,7 @@ def scan_app(
         pool=Pool(workspace, chosen.workers, chosen.seconds),
         progress=chosen.progress,
     )
-    started = StartedLaunches(
-        given=tuple(launches), packages=workspace.packages, descriptions=descriptions
-    )
+    started = StartedLaunches(given=tuple(launches), packages=packages, descriptions=descriptions)
     with closing(interpreting):
         parts, nodes = _run(started, interpreting)
     return _assembled(started, interpreting, parts, nodes)

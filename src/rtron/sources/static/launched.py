@@ -9,7 +9,6 @@ from typing import TypeAlias
 from rtron.errors import InputError
 from rtron.sources.launch.packages import PackageIndex
 from rtron.sources.launch.reader import read_launches
-from rtron.sources.models.packages import known_packages
 from rtron.sources.static.node import AppNode, launched_node
 from rtron.sources.static.notes import Notes
 from rtron.sources.static.started import StartedFile
@@ -67,7 +66,7 @@ class StartedLaunches:
     def _read(self, files: Iterable[StartedFile]) -> tuple[LaunchTree, ...]:
         return read_launches(
             [*self.given, *((file.path, dict(file.args)) for file in files)],
-            {**known_packages(), **self.packages},
+            self.packages,
             self.descriptions.environ,
             describe=self.descriptions.describe,
         )

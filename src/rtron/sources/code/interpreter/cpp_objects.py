@@ -32,11 +32,16 @@ from rtron.sources.code.ir import (
 from rtron.sources.code.natives.containers import copied
 
 
+_MAX_DEEP = 24
+_MAX_SAME = 3
+
+
 @dataclass(eq=False, slots=True, kw_only=True)
 class CppObjects(CppTypes):
     """The objects of one program."""
 
     machine: Machine = field(init=False)
+    _making: list[str] = field(default_factory=list)
 
     def new(self, node: New, frame: Frame) -> Value:
         """Make an object of a type."""
@@ -121,8 +126,13 @@ class CppObjects(CppTypes):
     ) -> Instance:
         """Return an object of a scanned class, made from values."""
         made = Instance(cls, {}, types)
-        self.machine.instances.append(made)
-        self._construct(made, cls, arguments)
+        if len(self._making) < _MAX_DEEP and self._making.count(cls.name) < _MAX_SAME:
+            self.machine.instances.append(made)
+            self._making.append(cls.name)
+            try:
+                self._construct(made, cls, arguments)
+            finally:
+                self._making.pop()
         return made
 
     def _construct(

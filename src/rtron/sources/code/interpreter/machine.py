@@ -94,6 +94,7 @@ class Machine:
             called = replace(called, function=choose(called.overloads, arguments), overloads=())
         function = called.function
         if function.body is None or not self._may_enter(function):
+            self._note_left(function, arguments)
             return Hole(f"{function.name}()", type=function.returns)
         frame = self.world.frame(called, arguments)
         if not self._run_within(function, frame):
@@ -183,6 +184,11 @@ class Machine:
         finally:
             self.recorder.muted -= 1
             self.discovering -= 1
+
+    def _note_left(self, function: Function, arguments: Arguments) -> None:
+        """Note a call that goes too deep, if it could join nodes."""
+        if function.body is not None and self.matters(self, function):
+            self.recorder.unresolved(f"{function.name}()", "calls itself, or too deep", arguments.evidence)
 
     def _may_enter(self, function: Function) -> bool:
         same = sum(1 for active in self._stack if active is function)

@@ -61,7 +61,9 @@ def _binary(name: str, left: Value, right: Value) -> Value:
     if name == "%" and _is_text(left):
         return percent(left, right)
     if name == "+" and isinstance(left, ListValue) and isinstance(right, ListValue):
-        both = {"items": left.items + right.items, "open": left.open or right.open}
+        items = left.items + right.items
+        cut = len(items) > MAX_LENGTH
+        both = {"items": items[:MAX_LENGTH], "open": left.open or right.open or cut}
         return ListValue(both, left.kind)
     if name == "+" and (_is_text(left) or _is_text(right)):
         return concat((left, right))
@@ -162,7 +164,7 @@ def _hole_name(left: Value, right: Value) -> str:
 
 def percent(template: Value, given: Value) -> Value:
     """Return `template % given`, holes and all (Python: printf-style formatting)."""
-    values = list(given.items) if isinstance(given, ListValue) else [given]
+    values: list[Value] = list(given.items) if isinstance(given, ListValue) else [given]
     mapping = given.entries if isinstance(given, MapValue) else {}
     parts: list[Value] = []
     for part in parts_of(template):

@@ -145,7 +145,7 @@ class PythonWorld:
 
     def import_(self, node: Import, frame: Frame) -> None:
         """Bind what an import brings: a scanned module, or a library by its name."""
-        module = self._module(_absolute(node, frame), Path(frame.file))
+        module = self._module(_absolute(node), Path(frame.file))
         if node.name == "*":
             self._import_all(module, frame)
             return
@@ -374,7 +374,7 @@ def _with_class(found: Value, cls: ClassValue) -> Value:
     return found
 
 
-def _absolute(node: Import, frame: Frame) -> str:
+def _absolute(node: Import) -> str:
     """Return the module an import means; a relative one is looked up beside the importing file."""
     return "." * node.level + node.module
 

@@ -12,6 +12,7 @@ from rtron.sources.code.ir import Class, Function, TypeRef
 
 MAX_CHOICES = 24
 MAX_PARTS = 24
+MAX_LENGTH = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -319,6 +320,8 @@ def concat(values: Iterable[Value]) -> Value:
 
 
 def _text(parts: tuple[str | Hole, ...], *, tainted: bool) -> Value:
+    if sum(len(part) for part in parts if isinstance(part, str)) > MAX_LENGTH:
+        return Hole("long", tainted)
     merged: list[str | Hole] = []
     for part in parts[:MAX_PARTS]:
         if isinstance(part, str) and merged and isinstance(merged[-1], str):

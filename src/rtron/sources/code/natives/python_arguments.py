@@ -24,6 +24,7 @@ from rtron.sources.declaration import NodeSite
 _ACTIONS = {"store", "store_true", "store_false", "store_const", "append", "append_const", "count"}
 _PLAIN = ("action", "nargs", "const", "dest")
 _STARRED = {"*", "+", "?", argparse.REMAINDER}
+_REFUSED = (ValueError, TypeError, IndexError, AttributeError, argparse.ArgumentError)
 MAX_WORDS = 64
 
 
@@ -96,7 +97,7 @@ def _namespace(
     dests = {_added(parser, option): option for option in options}
     try:
         _, rest = parser.parse_known_args([text for text, _ in marked], found)
-    except (ValueError, TypeError, argparse.ArgumentError):
+    except _REFUSED:
         rest = []
     fields = {
         dest: _value(machine, option, getattr(found, dest, None), marks, at)
@@ -125,14 +126,14 @@ def _added(parser: _Parser, option: Instance) -> str:
         return ""
     try:
         return parser.add_argument(*flags, default=argparse.SUPPRESS, **plain).dest
-    except (ValueError, TypeError, argparse.ArgumentError):
+    except _REFUSED:
         return ""
 
 
 def _may_take(parser: _Parser, flags: list[str], count: object) -> bool:
     if isinstance(count, int):
         return count <= MAX_WORDS
-    if count not in _STARRED or flags[:1] and flags[0].startswith("-"):
+    if count not in _STARRED or (flags[:1] and flags[0].startswith("-")):
         return True
     parser.starred, before = True, parser.starred
     return not before
@@ -149,12 +150,14 @@ def _value(
 
 
 def _default(machine: Machine, option: Instance, at: Arguments) -> Value:
-    given = option.fields.get("default")
+    given, action = option.fields.get("default"), option.fields.get("action", NONE)
+    is_flag = action in {Known("store_true"), Known("store_false")}
+    if is_flag and not machine.recorder.site.complete:
+        return Hole("flag")
     if given is not None:
         is_text = isinstance(given, Known) and isinstance(given.value, str)
         return _typed(machine, option, given, at) if is_text else given
-    action = option.fields.get("action", NONE)
-    if action in {Known("store_true"), Known("store_false")}:
+    if is_flag:
         return Known(action == Known("store_false"))
     flags = items_of(option.fields["flags"])[0]
     first = str(flags[0].value) if flags and isinstance(flags[0], Known) else "?"

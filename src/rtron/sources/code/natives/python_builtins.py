@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Any
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.calling import dispatch
@@ -40,9 +41,7 @@ def _str(_: Machine, __: object, arguments: Arguments) -> Value:
     return concat((arguments.get(0) or Known(""),))
 
 
-def _number(
-    make: Callable[[object], object], _: Machine, __: object, arguments: Arguments
-) -> Value:
+def _number(make: Callable[[Any], object], _: Machine, __: object, arguments: Arguments) -> Value:
     def made(value: Value) -> Value:
         if not isinstance(value, Known):
             return value
@@ -141,7 +140,7 @@ def _map(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 
 def _filter(_: Machine, __: object, arguments: Arguments) -> Value:
-    items, _ = items_of(arguments.get(1) or Hole("?"))
+    items, _certain = items_of(arguments.get(1) or Hole("?"))
     return ListValue({"items": items, "open": True})
 
 

@@ -169,7 +169,7 @@ def _transforms(
     static: bool,
     machine: Machine,
     _: object,
-    arguments: Arguments,  # noqa: FBT001
+    arguments: Arguments,
 ) -> Value:
     endpoints.transforms(machine, kind, arguments, static=static)
     return Instance(_ENDPOINT)
@@ -211,13 +211,19 @@ def _not_shut_down(_: Machine, __: object, ___: Arguments) -> Value:
 
 _ENDPOINT = NativeClass(
     "endpoint",
-    methods={
-        name: _method
-        for name in (
-            "registerCallback register_goal_callback register_preempt_callback send_goal add "
-            "on_shutdown send_goal_and_wait setCallback"
-        ).split()
-    },
+    methods=dict.fromkeys(
+        [
+            "registerCallback",
+            "register_goal_callback",
+            "register_preempt_callback",
+            "send_goal",
+            "add",
+            "on_shutdown",
+            "send_goal_and_wait",
+            "setCallback",
+        ],
+        _method,
+    ),
 )
 
 

@@ -10,8 +10,27 @@ _MIN_WORDS = 2
 _TOOLS = frozenset({"roslaunch", "rosrun"})
 _SEPARATORS = frozenset({";", "&", "&&", "|", "||"})
 _WRAPPERS = frozenset(
-    "env exec nohup sudo time bash sh xterm gnome-terminal konsole terminator screen tmux "
-    "new-session stdbuf nice python python2 python3".split()
+    [
+        "env",
+        "exec",
+        "nohup",
+        "sudo",
+        "time",
+        "bash",
+        "sh",
+        "xterm",
+        "gnome-terminal",
+        "konsole",
+        "terminator",
+        "screen",
+        "tmux",
+        "new-session",
+        "stdbuf",
+        "nice",
+        "python",
+        "python2",
+        "python3",
+    ]
 )
 
 

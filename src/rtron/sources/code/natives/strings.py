@@ -22,10 +22,29 @@ from rtron.sources.code.interpreter.values import (
 )
 
 MAX_LENGTH = 4096
-_PLAIN = (
-    "strip lstrip rstrip lower upper title capitalize swapcase replace startswith endswith find "
-    "rfind index count isdigit isalpha isalnum isupper islower zfill"
-).split()
+_PLAIN = [
+    "strip",
+    "lstrip",
+    "rstrip",
+    "lower",
+    "upper",
+    "title",
+    "capitalize",
+    "swapcase",
+    "replace",
+    "startswith",
+    "endswith",
+    "find",
+    "rfind",
+    "index",
+    "count",
+    "isdigit",
+    "isalpha",
+    "isalnum",
+    "isupper",
+    "islower",
+    "zfill",
+]
 
 _PER_PART = frozenset({"lower", "upper", "replace", "swapcase"})
 _ENDS = frozenset({"strip", "lstrip", "rstrip"})
@@ -176,8 +195,10 @@ def _substr(_: Machine, owner: Value, arguments: Arguments) -> Value:
     numbers = [value.value for value in arguments.values if isinstance(value, Known)]
     if not isinstance(owner, Known) or len(numbers) != len(arguments.values):
         return Hole("substr")
-    start = int(numbers[0]) if numbers else 0
-    end = start + int(numbers[1]) if len(numbers) > 1 else None
+    if not all(isinstance(number, int) for number in numbers):
+        return Hole("substr")
+    start = numbers[0] if numbers else 0
+    end = start + numbers[1] if len(numbers) > 1 else None
     return Known(str(owner.value)[start:end], owner.tainted)
 
 

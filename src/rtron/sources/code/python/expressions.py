@@ -75,7 +75,9 @@ def _(node: ast.Subscript, source: Source) -> Expr:
 @_lowered.register
 def _(node: ast.Slice, source: Source) -> Expr:
     bounds = [optional(part, source) for part in (node.lower, node.upper, node.step)]
-    return ir.Call(ir.Name("slice"), tuple(part or ir.Const(None) for part in bounds), line=node.lineno)
+    return ir.Call(
+        ir.Name("slice"), tuple(part or ir.Const(None) for part in bounds), line=node.lineno
+    )
 
 
 @_lowered.register

@@ -1,4 +1,4 @@
-"""Launch files of well-known packages that are often not in a workspace, as far as nodes go."""
+"""Launch files and robot descriptions of well-known packages that a workspace often lacks."""
 
 from pathlib import Path
 
@@ -6,5 +6,6 @@ _FOLDER = Path(__file__).parent
 
 
 def known_packages() -> dict[str, Path]:
-    """Return the packages whose launch files are known; a package that is found counts instead."""
-    return {folder.name: folder for folder in sorted(_FOLDER.iterdir()) if (folder / "launch").is_dir()}
+    """Return the packages that are known here; one that is found counts instead (docs/models.md)."""
+    folders = (path for path in sorted(_FOLDER.iterdir()) if not path.name.startswith("_"))
+    return {folder.name: folder for folder in folders if folder.is_dir()}
