@@ -144,7 +144,7 @@ def _part(machine: Machine, path: Path, run: Callable[[], object]) -> None:
     except StepsExceededError:
         _incomplete(machine, path, "too large to be run whole")
     except ThrownError as error:
-        _incomplete(machine, path, f"ends by {error.name}")
+        _incomplete(machine, path, f"{error.name} ends it before all of it is run")
     except RecursionError:
         _incomplete(machine, path, "nested too deep")
 

@@ -83,7 +83,9 @@ def _run(machine: Machine, waiting: FunctionValue) -> None:
     except StepsExceededError:
         machine.recorder.unresolved(function.name, "too large to be run whole", place)
     except ThrownError as error:
-        machine.recorder.unresolved(function.name, f"ends by {error.name}", place)
+        machine.recorder.unresolved(
+            function.name, f"{error.name} ends it before all of it is run", place
+        )
 
 
 def _waiting(machine: Machine) -> Iterator[FunctionValue]:

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
-from rtron.sources.code.interpreter.cpp_types import CppTypes, template_types
+from rtron.sources.code.interpreter.cpp_calls import CppCalls
+from rtron.sources.code.interpreter.cpp_types import template_types
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.iterators import item_at
-from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.overloads import choose
 from rtron.sources.code.interpreter.values import (
     NONE,
@@ -31,16 +31,14 @@ from rtron.sources.code.ir import (
 )
 from rtron.sources.code.natives.containers import copied
 
-
 _MAX_DEEP = 24
 _MAX_SAME = 3
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
-class CppObjects(CppTypes):
+class CppObjects(CppCalls):
     """The objects of one program."""
 
-    machine: Machine = field(init=False)
     _making: list[str] = field(default_factory=list)
 
     def new(self, node: New, frame: Frame) -> Value:
@@ -126,13 +124,8 @@ class CppObjects(CppTypes):
     ) -> Instance:
         """Return an object of a scanned class, made from values."""
         made = Instance(cls, {}, types)
-        if len(self._making) < _MAX_DEEP and self._making.count(cls.name) < _MAX_SAME:
-            self.machine.instances.append(made)
-            self._making.append(cls.name)
-            try:
-                self._construct(made, cls, arguments)
-            finally:
-                self._making.pop()
+        self.machine.instances.append(made)
+        self._construct(made, cls, arguments)
         return made
 
     def _construct(
@@ -142,7 +135,25 @@ class CppObjects(CppTypes):
         arguments: Arguments,
         among: tuple[Function, ...] = (),
     ) -> None:
-        """Run one class's part of making an object; `among` are its constructors to choose from."""
+        """Run one class's part of making an object; `among` are its constructors to choose from.
+
+        A class that holds or extends itself is made a few times only.
+        """
+        if len(self._making) >= _MAX_DEEP or self._making.count(cls.name) >= _MAX_SAME:
+            return
+        self._making.append(cls.name)
+        try:
+            self._construct_by(made, cls, arguments, among)
+        finally:
+            self._making.pop()
+
+    def _construct_by(
+        self,
+        made: Instance,
+        cls: ClassValue,
+        arguments: Arguments,
+        among: tuple[Function, ...],
+    ) -> None:
         made.bindings.setdefault(cls.name, made.types)
         plain = cls.name.rpartition("::")[2]
         constructors = among or self.overloads(f"{cls.name}::{plain}")

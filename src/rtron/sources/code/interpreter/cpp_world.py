@@ -5,14 +5,12 @@ from dataclasses import dataclass, field, replace
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
-from rtron.sources.code.interpreter.binding import bind
 from rtron.sources.code.interpreter.cpp_objects import CppObjects
 from rtron.sources.code.interpreter.cpp_types import bound_overloads
 from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.iterators import begin, end, item_at
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
-    ClassValue,
     Foreign,
     FunctionValue,
     Hole,
@@ -22,7 +20,6 @@ from rtron.sources.code.interpreter.values import (
     MapValue,
     Native,
     NativeClass,
-    Placeholder,
     Text,
     Value,
 )
@@ -31,10 +28,9 @@ from rtron.sources.code.ir import (
     Define,
     Import,
     Name,
-    Param,
     TypeRef,
 )
-from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound, copied
+from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
 from rtron.sources.code.natives.cpp_std import CONSTANTS, PARAMETER_KIND, PLACEHOLDERS, kind_of
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
 
@@ -110,43 +106,6 @@ class CppWorld(CppObjects):
     def import_(self, node: Import, frame: Frame) -> None:
         """C++ imports nothing while it runs."""
         raise NotImplementedError(node, frame)
-
-    def frame(self, called: FunctionValue, arguments: Arguments) -> Frame:
-        """Return the frame of a call: parameters bound, references to the caller's places."""
-        function = called.function
-        passed = _given(called, arguments)
-        outer = called.closure
-        frame = Frame(
-            file=function.file,
-            function=function,
-            closure=outer if isinstance(outer, Frame) else None,
-            this=called.owner if called.owner is not None else getattr(outer, "this", None),
-            cls=called.cls,
-            scope=getattr(outer, "scope", "") or function.name.rpartition("::")[0],
-            types=self.bound_types(called, passed),
-        )
-        default = Frame(file=function.file, scope=frame.scope, this=frame.this, types=frame.types)
-        frame.variables = bind(
-            function.params, passed, lambda node: self.machine.evaluate(node, default)
-        )
-        for at, param in enumerate(function.params):
-            place = passed.place(at)
-            if param.reference and place is not None:
-                frame.aliases[param.name] = place
-            elif not param.reference and param.kind == "plain":
-                value = frame.variables[param.name]
-                frame.variables[param.name] = self._by_value(value, param, frame)
-        return frame
-
-    def _by_value(self, value: Value, param: Param, frame: Frame) -> Value:
-        """Return what a parameter without & and * holds: a copy."""
-        if isinstance(value, ListValue):
-            return ListValue(dict(value.fields), value.kind)
-        if isinstance(value, MapValue):
-            return replace(value, fields=dict(value.fields))
-        if isinstance(value, Instance) and isinstance(value.type, ClassValue) and param.type:
-            return copied(value) if self.class_of(param.type, frame) is value.type else value
-        return value
 
     def _of_instance(self, owner: Instance, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         if name in owner.fields:
@@ -256,15 +215,3 @@ def _of_container(owner: ListValue | MapValue, name: str) -> Value | None:
     if walk is not None:
         return Native(name, walk, owner)
     return bound(LIST if isinstance(owner, ListValue) else CPP_MAP, owner, name)
-
-
-def _given(called: FunctionValue, arguments: Arguments) -> Arguments:
-    """Return the arguments, what boost::bind gave put in their places."""
-    if not called.given:
-        return arguments
-    left = list(arguments.values)
-    values = [
-        (left.pop(0) if left else Hole("?")) if isinstance(value, Placeholder) else value
-        for value in called.given
-    ]
-    return Arguments(values=(*values, *left), line=arguments.line, frame=arguments.frame)

@@ -5,6 +5,7 @@ from collections.abc import Mapping as MappingType
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import assign, place_of
+from rtron.sources.code.interpreter.binding import defaults
 from rtron.sources.code.interpreter.calling import call, dispatch
 from rtron.sources.code.interpreter.element import element
 from rtron.sources.code.interpreter.frame import Frame
@@ -204,8 +205,12 @@ def _rounds(
     return certain
 
 
-def _lambda(_: Machine, node: Lambda, frame: Frame) -> Value:
-    return FunctionValue(node.function, closure=frame)
+def _lambda(machine: Machine, node: Lambda, frame: Frame) -> Value:
+    """Python evaluates default arguments where the function is made, C++ where it is called."""
+    if machine.world.by_reference:
+        return FunctionValue(node.function, closure=frame)
+    named = defaults(node.function, lambda default: machine.evaluate(default, frame))
+    return FunctionValue(node.function, closure=frame, named=named)
 
 
 def _star(machine: Machine, node: Star, frame: Frame) -> Value:

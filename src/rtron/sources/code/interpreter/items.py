@@ -16,6 +16,8 @@ from rtron.sources.code.interpreter.values import (
     options,
 )
 
+_MAX_DEPTH = 4
+
 PAIR = NativeClass("std::pair")
 
 
@@ -73,12 +75,15 @@ def _key(key: object, entry: Value) -> Known:
     return Known(key, _is_parameter(entry))
 
 
-def _is_parameter(value: Value) -> bool:
+def _is_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:
+    """Tell whether anything in a value, which may hold itself, is a parameter's."""
     if isinstance(value, MapValue):
-        return any(map(_is_parameter, value.entries.values()))
-    if isinstance(value, ListValue):
-        return any(map(_is_parameter, value.items))
-    return is_tainted(value)
+        inner = tuple(value.entries.values())
+    elif isinstance(value, ListValue):
+        inner = value.items
+    else:
+        return is_tainted(value)
+    return depth > 0 and any(_is_parameter(item, depth - 1) for item in inner)
 
 
 def _members(cls: ClassValue) -> Iterator[Value]:

@@ -28,7 +28,7 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.interpreter.world import World
 from rtron.sources.code.ir import Expr, Function, Stmt
 
-MAX_STEPS = 400_000
+MAX_STEPS = 800_000
 MAX_ASIDE = 4_000
 MAX_CALLS = 48
 MAX_SAME = 3
@@ -188,7 +188,9 @@ class Machine:
     def _note_left(self, function: Function, arguments: Arguments) -> None:
         """Note a call that goes too deep, if it could join nodes."""
         if function.body is not None and self.matters(self, function):
-            self.recorder.unresolved(f"{function.name}()", "calls itself, or too deep", arguments.evidence)
+            self.recorder.unresolved(
+                f"{function.name}()", "calls itself, or too deep", arguments.evidence
+            )
 
     def _may_enter(self, function: Function) -> bool:
         same = sum(1 for active in self._stack if active is function)

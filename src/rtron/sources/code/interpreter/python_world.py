@@ -29,11 +29,13 @@ from rtron.sources.code.interpreter.values import (
     options,
 )
 from rtron.sources.code.ir import (
+    Assign,
     Class,
     Declare,
     Define,
     Function,
     Import,
+    Lambda,
     Name,
     New,
     TypeRef,
@@ -306,6 +308,9 @@ def called_as(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Fu
             yield from called_as(what.body or ())
         elif isinstance(what, Class):
             yield from called_as(what.body, what.name)
+        elif isinstance(statement, Assign) and isinstance(statement.value, Lambda):
+            for target in statement.targets:
+                yield getattr(target, "id", ""), statement.value.function
         else:
             for name in ("body", "orelse", "final"):
                 yield from called_as(getattr(statement, name, ()) or ())

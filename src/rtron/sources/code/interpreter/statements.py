@@ -125,8 +125,12 @@ def _attempt(machine: Machine, node: Try, frame: Frame) -> tuple[str | None, Out
 
 
 def _catches(names: tuple[str, ...], thrown: str | None) -> bool:
-    general = {"Exception", "BaseException", "...", "LookupError", ""}
-    return thrown is None or not names or any(n in general or n.endswith(thrown) for n in names)
+    """Tell whether a handler takes an exception; `Exception` does not take SystemExit."""
+    if thrown is None or not names:
+        return True
+    wide = {"BaseException", "...", ""}
+    general = wide if thrown == "SystemExit" else {*wide, "Exception", "LookupError"}
+    return any(name in general or name.endswith(thrown) for name in names)
 
 
 def _define(machine: Machine, node: Define, frame: Frame) -> Outcome:

@@ -323,11 +323,13 @@ def _text(parts: tuple[str | Hole, ...], *, tainted: bool) -> Value:
     if sum(len(part) for part in parts if isinstance(part, str)) > MAX_LENGTH:
         return Hole("long", tainted)
     merged: list[str | Hole] = []
-    for part in parts[:MAX_PARTS]:
+    for part in parts:
         if isinstance(part, str) and merged and isinstance(merged[-1], str):
             merged[-1] += part
         elif part != "":
             merged.append(part)
+    if len(merged) > MAX_PARTS:
+        return Hole("long", tainted)
     if all(isinstance(part, str) for part in merged):
         return Known("".join(map(str, merged)), tainted)
     return Text(tuple(merged), tainted)

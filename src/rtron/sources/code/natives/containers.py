@@ -134,7 +134,7 @@ def _get(_: Machine, owner: MapValue, arguments: Arguments) -> Value:
 
 
 def _keys(_: Machine, owner: MapValue, __: Arguments) -> Value:
-    return ListValue({"items": tuple(map(Known, owner.entries)), "open": owner.open})
+    return ListValue({"items": items_of(owner)[0], "open": owner.open})
 
 
 def _values(_: Machine, owner: MapValue, __: Arguments) -> Value:
@@ -142,7 +142,9 @@ def _values(_: Machine, owner: MapValue, __: Arguments) -> Value:
 
 
 def _items(_: Machine, owner: MapValue, __: Arguments) -> Value:
-    pairs = tuple(listed((Known(key), value), "tuple") for key, value in owner.entries.items())
+    keys, _certain = items_of(owner)
+    rows = zip(keys, owner.entries.values(), strict=True)
+    pairs = tuple(listed(row, "tuple") for row in rows)
     return ListValue({"items": pairs, "open": owner.open})
 
 
