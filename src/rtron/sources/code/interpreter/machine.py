@@ -153,6 +153,7 @@ class Machine:
             and value.owner is other.owner
             and value.closure is other.closure
             and value.given == other.given
+            and value.named == other.named
             for other in self.pending
         )
 
