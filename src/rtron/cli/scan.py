@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from rtron.cli.app import App, Chosen, chosen_app
+from rtron.cli.evidence import from_root
 from rtron.cli.launch_list import listed_launches
 from rtron.cli.options import (
     DEFAULT_MASTER,
@@ -102,6 +103,8 @@ def scan(  # noqa: PLR0913 - one for each option
         return Outcome(listed_launches(chosen.folders, _list_format(format)), OK, output)
     app = chosen_app(chosen)
     found = app.source.read()
+    if format in _FOR_PEOPLE:
+        found = from_root(found, app.root)
     report = discover(found, load_lists(lists) if lists else None)
     exit_code = FOUND if _fails(report, fail_on) else OK
     return Outcome(_SHOWN[format](app, found, report), exit_code, output)
@@ -127,6 +130,7 @@ def _text(app: App, graph: InteractionGraph, report: RiskReport) -> Report:
     return scan_text(Scan(graph, report, read_from=app.said, next_step=next_step))
 
 
+_FOR_PEOPLE = {Format.TEXT, Format.HTML, Format.DOT}
 _SHOWN: Mapping[Format, Callable[[App, InteractionGraph, RiskReport], str | Report]] = {
     Format.TEXT: _text,
     Format.JSON: lambda app, graph, report: as_json(risks_to_json(report)),
