@@ -49,7 +49,7 @@ class Parameters:
 
     def search(self, name: str, namespace: str) -> str | None:
         """Return the full name found upwards from `namespace` (ROS wiki: searchParam)."""
-        first = name.split("/")[0]
+        first = name.split("/", maxsplit=1)[0]
         parts = [part for part in namespace.split("/") if part]
         for depth in range(len(parts), -1, -1):
             prefix = "".join(f"/{part}" for part in parts[:depth])

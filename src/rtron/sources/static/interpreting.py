@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from rtron.sources.declaration import NodeInterface
 from rtron.sources.models import Models, interface, load_models
 from rtron.sources.static.cache import Cache
 from rtron.sources.static.node import AppNode
@@ -11,6 +12,7 @@ from rtron.sources.static.part import Part, parts_of
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.task import Task, TaskResult
 from rtron.sources.workspace import Workspace
+from rtron.vocabulary import Resolution
 
 
 @dataclass(slots=True, kw_only=True)
@@ -46,9 +48,24 @@ class Interpreting:
         return results
 
     def _with_interface(self, part: Part, results: Mapping[int, TaskResult]) -> Part:
-        if part.task is not None:
-            return replace(part, interface=results[id(part.task)].interface)
+        read = results[id(part.task)].interface if part.task is not None else None
         if part.model is not None:
-            found = interface(part.model, part.node.site, models=self.models)
-            return replace(part, interface=found)
-        return part
+            modelled = interface(part.model, part.node.site, models=self.models)
+            return replace(part, interface=_with_new(modelled, read) if read else modelled)
+        return replace(part, interface=read) if read else part
+
+
+def _with_new(modelled: NodeInterface, read: NodeInterface) -> NodeInterface:
+    """Return a model's interface and what a changed source says beside it, as far as it is sure.
+
+    A copy of a well-known package in a workspace may have been given another publisher.
+    """
+    known = {(declared.kind, declared.name) for declared in modelled.declarations}
+    new = tuple(
+        declared
+        for declared in read.declarations
+        if not declared.implicit
+        and declared.resolution is not Resolution.SYMBOLIC
+        and (declared.kind, declared.name) not in known
+    )
+    return replace(modelled, declarations=(*modelled.declarations, *new), starts=read.starts)

@@ -27,7 +27,8 @@ _KINDS = {
 class Part:
     """Something of `node` that runs in the process of the node `owner`.
 
-    `model` or `task` tells what it declares; `interface` is there once that is known.
+    `model` or `task` tells what it declares, or both: then the task tells what its source has
+    beside the model. `interface` is there once that is known.
     """
 
     node: AppNode
@@ -43,24 +44,23 @@ class Part:
 
 
 def parts_of(node: AppNode, workspace: Workspace, models: Models) -> Iterator[Part]:
-    """Yield what a node runs: source where it is there, unless the model goes before it."""
+    """Yield what a node runs: source where it is there, and a model that goes before it."""
     model = models.node(node.package, node.type)
     own = Part(node=node, owner=node.name)
     if model is not None and model.role is NodeRole.NODELET:
         yield from _nodelet_parts(replace(own, model=model), workspace, models)
         return
-    program = None
-    if model is None or not model.over_source:
-        program = workspace.executable(node.package, node.type)
-    yield _chosen(own, program, model)
+    yield _chosen(own, workspace.executable(node.package, node.type), model)
 
 
 def _chosen(own: Part, program: Program | None, model: Model | None) -> Part:
     if program is not None and program.language in _KINDS and program.sources:
         kind = _KINDS[program.language]
-        return replace(own, task=Task(kind=kind, sources=program.sources, site=own.node.site))
-    if model is not None:
-        return replace(own, model=model)
+        own = replace(own, task=Task(kind=kind, sources=program.sources, site=own.node.site))
+    if model is not None and (own.task is None or model.over_source):
+        own = replace(own, model=model)
+    if own.task is not None or own.model is not None:
+        return own
     what = f"node {own.node.name} ({own.node.package}/{own.node.type})"
     return own.missing(what, "no source of it is here, and no model")
 
@@ -79,8 +79,7 @@ def _nodelet_parts(loader: Part, workspace: Workspace, models: Models) -> Iterat
 
 
 def _nodelet(part: Part, name: str, workspace: Workspace, models: Models) -> Part:
-    model = models.nodelet(name)
-    plugin = None if model and model.over_source else workspace.nodelet(name)
+    model, plugin = models.nodelet(name), workspace.nodelet(name)
     if plugin is not None and plugin.program is not None and plugin.program.sources:
         task = Task(
             kind=TaskKind.NODELET,
@@ -88,7 +87,9 @@ def _nodelet(part: Part, name: str, workspace: Workspace, models: Models) -> Par
             cls=plugin.declared.type,
             site=part.node.site,
         )
-        return replace(part, task=task)
-    if model is not None:
-        return replace(part, model=model)
+        part = replace(part, task=task)
+    if model is not None and (part.task is None or model.over_source):
+        part = replace(part, model=model)
+    if part.task is not None or part.model is not None:
+        return part
     return part.missing(f"nodelet {name}", "no source of it is here, and no model")

@@ -30,15 +30,11 @@ def items_of(value: Value, name: str = "?") -> tuple[tuple[Value, ...], bool]:
         return value.items, not value.open
     if isinstance(value, MapValue):
         return _entries(value), not value.open
-    if isinstance(value, Instance) and value.type is PAIR:
-        return (value.fields["first"], value.fields["second"]), True
-    if isinstance(value, Instance) and is_record(value.type):
-        return tuple(value.fields.values()), True
+    if isinstance(value, Instance):
+        return _of_instance(value)
     if isinstance(value, ClassValue):
         return tuple(_members(value)), True
-    if isinstance(value, Known) and isinstance(value.value, str):
-        return tuple(Known(letter, value.tainted) for letter in value.value), True
-    return (), value == Known(None)
+    return _of_plain(value)
 
 
 def is_record(type: object) -> bool:
@@ -62,6 +58,21 @@ def unpacked(value: Value, count: int) -> tuple[Value, ...]:
     if certain and len(items) == count:
         return items
     return tuple(Hole(getattr(value, "why", "?")) for _ in range(count))
+
+
+def _of_instance(value: Instance) -> tuple[tuple[Value, ...], bool]:
+    if value.type is PAIR:
+        return (value.fields["first"], value.fields["second"]), True
+    if is_record(value.type):
+        return tuple(value.fields.values()), True
+    return (), False
+
+
+def _of_plain(value: Value) -> tuple[tuple[Value, ...], bool]:
+    """Return the letters of a text; None has no items, of others they are not known."""
+    if isinstance(value, Known) and isinstance(value.value, str):
+        return tuple(Known(letter, value.tainted) for letter in value.value), True
+    return (), value == Known(None)
 
 
 def _entries(value: MapValue) -> tuple[Value, ...]:

@@ -60,16 +60,22 @@ def _binary(name: str, left: Value, right: Value) -> Value:
         return _compared(name, left, right)
     if name == "%" and _is_text(left):
         return percent(left, right)
-    if name == "+" and isinstance(left, ListValue) and isinstance(right, ListValue):
+    if name == "+":
+        return _added(left, right)
+    if name == "*" and isinstance(left, ListValue):
+        return _repeated(left, right)
+    return _arithmetic(name, left, right)
+
+
+def _added(left: Value, right: Value) -> Value:
+    if isinstance(left, ListValue) and isinstance(right, ListValue):
         items = left.items + right.items
         cut = len(items) > MAX_LENGTH
         both = {"items": items[:MAX_LENGTH], "open": left.open or right.open or cut}
         return ListValue(both, left.kind)
-    if name == "+" and (_is_text(left) or _is_text(right)):
+    if _is_text(left) or _is_text(right):
         return concat((left, right))
-    if name == "*" and isinstance(left, ListValue):
-        return _repeated(left, right)
-    return _arithmetic(name, left, right)
+    return _arithmetic("+", left, right)
 
 
 def _arithmetic(name: str, left: Value, right: Value) -> Value:

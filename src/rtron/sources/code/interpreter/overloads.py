@@ -18,7 +18,7 @@ _TEXTS = {"std::string", "string", "char", "QString"}
 
 
 def choose(functions: tuple[Function, ...], arguments: Arguments) -> Function:
-    """Return the function that fits a call best: by the number of arguments, then by their types."""
+    """Return the function that fits a call best: by the number of arguments, then their types."""
     return max(functions, key=lambda function: _score(function, arguments))
 
 

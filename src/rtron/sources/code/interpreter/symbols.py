@@ -109,7 +109,7 @@ class Symbols:
         return self._in_aliased_namespace(type, scope)
 
     def _in_aliased_namespace(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
-        """`namespace mf = message_filters;` makes `mf::Subscriber` a message_filters::Subscriber."""
+        """`namespace mf = message_filters;`: `mf::Subscriber` is `message_filters::Subscriber`."""
         head, _, rest = type.name.partition("::")
         if not rest:
             return None

@@ -1,5 +1,6 @@
 """The C++ libraries of ROS around roscpp, as far as they join nodes."""
 
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -239,7 +240,9 @@ def _create_instance(machine: Machine, owner: Instance, arguments: Arguments) ->
 def _plugin_name(_: Machine, __: Instance, arguments: Arguments) -> Value:
     """`loader.getName("pkg::Class")` is its last part."""
     name = arguments.get(0)
-    return Known(str(name.value).rpartition("::")[2]) if isinstance(name, Known) else Hole("name")
+    if not isinstance(name, Known):
+        return Hole("name")
+    return Known(re.split("::|/", str(name.value))[-1])
 
 
 def _available(_: Machine, __: Instance, ___: Arguments) -> Value:

@@ -103,7 +103,7 @@ def value_of(value: ParameterValue, name: str = "?") -> Value:
 
 
 def search(machine: Machine, name: Value, namespace: Value) -> Value | None:
-    """Return the full name of a parameter found upwards (ROS wiki: searchParam), None if nowhere."""
+    """Return a parameter's full name, found upwards (ROS wiki: searchParam); None if nowhere."""
     if not (isinstance(name, Known) and isinstance(namespace, Known)):
         return Hole(spelled(name), tainted=True)
     site = machine.recorder.site

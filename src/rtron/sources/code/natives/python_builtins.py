@@ -215,7 +215,7 @@ def _extreme(pick: Callable[..., object], _: Machine, __: object, arguments: Arg
         return Hole("extreme")
 
 
-def _any(wanted: bool, _: Machine, __: object, arguments: Arguments) -> Value:  # noqa: FBT001 - any or all
+def _any(_: Machine, __: object, arguments: Arguments, *, wanted: bool) -> Value:
     items, certain = items_of(arguments.get(0) or Hole("?"))
     answers = [truth(item) for item in items]
     if wanted in answers:
@@ -276,8 +276,8 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "sum": _sum,
     "min": partial(_extreme, min),
     "max": partial(_extreme, max),
-    "any": partial(_any, True),
-    "all": partial(_any, False),
+    "any": partial(_any, wanted=True),
+    "all": partial(_any, wanted=False),
     "type": _type,
     **{name: partial(_hole, name) for name in ("input", "raw_input", "eval", "id", "print")},
 }

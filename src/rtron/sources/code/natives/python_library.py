@@ -125,8 +125,8 @@ def _launch_load(machine: Machine, _: object, arguments: Arguments) -> Value:
     return NONE
 
 
-def _resolve_launch(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`resolve_launch_arguments([package, file])` returns a list of one path; here `package/file`."""
+def _resolve_launch(_: Machine, __: object, arguments: Arguments) -> Value:
+    """`resolve_launch_arguments([package, file])`: a list of one path; here `package/file`."""
     words, _certain = items_of(arguments.get(0) or NONE)
     texts = _known(words)
     if texts is None:

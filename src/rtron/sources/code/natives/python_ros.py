@@ -166,10 +166,11 @@ def _reconfigure_client(machine: Machine, _: object, arguments: Arguments) -> Va
 
 def _transforms(
     kind: DeclarationKind,
-    static: bool,
     machine: Machine,
     _: object,
     arguments: Arguments,
+    *,
+    static: bool = False,
 ) -> Value:
     endpoints.transforms(machine, kind, arguments, static=static)
     return Instance(_ENDPOINT)
@@ -190,7 +191,7 @@ def _wait_for_service(_: Machine, __: object, ___: Arguments) -> Value:
 
 
 def _method(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
-    """A method of an endpoint that takes callbacks: registerCallback, register_goal_callback."""
+    """`registerCallback`, `register_goal_callback` and their kin take callbacks."""
     _escape_all(machine, arguments)
     return owner
 
@@ -258,11 +259,13 @@ _CALLS: dict[str, PythonFunction] = {
     "actionlib.ActionServer": partial(_action, DeclarationKind.ACTION_SERVER),
     "dynamic_reconfigure.server.Server": _reconfigure,
     "dynamic_reconfigure.client.Client": _reconfigure_client,
-    "tf.TransformListener": partial(_transforms, DeclarationKind.SUBSCRIBE, False),
-    "tf.TransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH, False),
-    "tf2_ros.TransformListener": partial(_transforms, DeclarationKind.SUBSCRIBE, False),
-    "tf2_ros.TransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH, False),
-    "tf2_ros.StaticTransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH, True),
+    "tf.TransformListener": partial(_transforms, DeclarationKind.SUBSCRIBE),
+    "tf.TransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH),
+    "tf2_ros.TransformListener": partial(_transforms, DeclarationKind.SUBSCRIBE),
+    "tf2_ros.TransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH),
+    "tf2_ros.StaticTransformBroadcaster": partial(
+        _transforms, DeclarationKind.PUBLISH, static=True
+    ),
     "diagnostic_updater.Updater": _diagnostics,
     "diagnostic_updater.DiagnosticUpdater": _diagnostics,
     "bondpy.bondpy.Bond": _bond,

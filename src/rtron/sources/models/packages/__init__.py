@@ -6,6 +6,6 @@ _FOLDER = Path(__file__).parent
 
 
 def known_packages() -> dict[str, Path]:
-    """Return the packages that are known here; one that is found counts instead (docs/models.md)."""
+    """Return the packages known here; one that is found counts instead (docs/models.md)."""
     folders = (path for path in sorted(_FOLDER.iterdir()) if not path.name.startswith("_"))
     return {folder.name: folder for folder in folders if folder.is_dir()}

@@ -1,0 +1,132 @@
+"""Python's modules: running them, and what an import brings."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtron.sources.code.interpreter.files import Files
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.values import Foreign, Known, ModuleValue, Native, Value
+from rtron.sources.code.ir import Assign, Class, Function, Import, Lambda, Unit
+from rtron.sources.code.natives.messages import is_message_package, message_type
+
+
+@dataclass(eq=False, slots=True, kw_only=True)
+class PythonModules:
+    """The modules of one program; `natives` are the libraries that RTron knows."""
+
+    files: Files
+    natives: Mapping[str, Value]
+    machine: Machine = field(init=False)
+    _modules: dict[Path, ModuleValue] = field(default_factory=dict)
+    _stars: dict[int, list[str]] = field(default_factory=dict)
+    _named: dict[str, list[Function]] = field(default_factory=dict)
+
+    def run(self, path: Path, name: str) -> ModuleValue:
+        """Run a file's top level as the module `name`."""
+        unit = self.files.unit(path)
+        module = ModuleValue(name, file=unit.file)
+        self._modules[path] = module
+        frame = Frame(file=unit.file, variables=module.fields)
+        frame.variables.update(__name__=Known(name), __file__=Known(str(path)))
+        self._note(unit, path)
+        self.machine.execute(unit.body, frame)
+        return module
+
+    def named(self, name: str) -> tuple[Function, ...]:
+        """Return the functions with a name, in the modules that were loaded."""
+        return tuple(self._named.get(name, ()))
+
+    def import_(self, node: Import, frame: Frame) -> None:
+        """Bind what an import brings: a scanned module, or a library by its name."""
+        module = self._module(_absolute(node), Path(frame.file))
+        if node.name == "*":
+            self._import_all(module, frame)
+            return
+        alias = node.alias or node.name or node.module.partition(".")[0]
+        if node.name is None:
+            value = module if node.alias else self._module(alias, Path(frame.file))
+        else:
+            value = self._of_module(module, node.name) or Foreign(f"{node.module}.{node.name}")
+        self.machine.trail.set(frame.variables, alias, value)
+
+    def _of_module(self, owner: Value, name: str) -> Value | None:
+        """Return a name of a module, scanned or of a library."""
+        if isinstance(owner, ModuleValue):
+            return owner.fields.get(name) or self._submodule(owner, name)
+        if isinstance(owner, Foreign):
+            return self._foreign(f"{owner.name}.{name}")
+        return self.natives.get(f"{owner.name}.{name}") if isinstance(owner, Native) else None
+
+    def _module(self, dotted: str, importer: Path) -> Value:
+        top = dotted.partition(".")[0]
+        if is_message_package(dotted) or any(
+            name.partition(".")[0] == top for name in self.natives
+        ):
+            return Foreign(dotted)
+        path = self.files.python_module(dotted, importer)
+        if path is None:
+            return Foreign(dotted)
+        return self._modules.get(path) or self.run(path, dotted)
+
+    def _submodule(self, owner: ModuleValue, name: str) -> Value | None:
+        path = self.files.python_module(f"{owner.name}.{name}", Path(owner.file))
+        if path is not None:
+            return self._modules.get(path) or self.run(path, f"{owner.name}.{name}")
+        return message_type(f"{owner.name}.{name}")
+
+    def _foreign(self, dotted: str) -> Value:
+        return self.natives.get(dotted) or message_type(dotted) or Foreign(dotted)
+
+    def _import_all(self, module: Value, frame: Frame) -> None:
+        if isinstance(module, ModuleValue):
+            for name, value in list(module.fields.items()):
+                if not name.startswith("__"):
+                    self.machine.trail.set(frame.variables, name, value)
+        elif isinstance(module, Foreign):
+            self._stars.setdefault(id(frame.variables), []).append(module.name)
+
+    def _starred(self, name: str, root: Frame) -> Value | None:
+        """Return what one of the libraries imported with a star brings."""
+        modules = self._stars.get(id(root.variables), [])
+        for module in modules:
+            if f"{module}.{name}" in self.natives:
+                return self.natives[f"{module}.{name}"]
+        packages = [module for module in modules if is_message_package(module)]
+        for module in packages:
+            if self.files.has_message(module.split(".", maxsplit=1)[0], name):
+                return message_type(f"{module}.{name}")
+        unknown = [
+            m for m in packages if self.files.has_message(m.split(".", maxsplit=1)[0], name) is None
+        ]
+        sure = len(unknown) == 1 and name[:1].isupper()
+        return message_type(f"{unknown[0]}.{name}") if sure else None
+
+    def _note(self, unit: Unit, path: Path) -> None:
+        for problem in unit.problems:
+            self.machine.recorder.problem(path, problem)
+        for name, function in called_as(unit.body):
+            self._named.setdefault(name, []).append(function)
+
+
+def called_as(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Function]]:
+    """Yield every function with the plain name it is called by: `__init__` by its class's."""
+    for statement in body:
+        what = getattr(statement, "what", None)
+        if isinstance(what, Function):
+            yield (cls if what.name == "__init__" else what.name), what
+            yield from called_as(what.body or ())
+        elif isinstance(what, Class):
+            yield from called_as(what.body, what.name)
+        elif isinstance(statement, Assign) and isinstance(statement.value, Lambda):
+            for target in statement.targets:
+                yield getattr(target, "id", ""), statement.value.function
+        else:
+            for name in ("body", "orelse", "final"):
+                yield from called_as(getattr(statement, name, ()) or ())
+
+
+def _absolute(node: Import) -> str:
+    """Return the module an import means; a relative one is looked up beside the importing file."""
+    return "." * node.level + node.module

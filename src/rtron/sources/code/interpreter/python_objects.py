@@ -1,0 +1,182 @@
+"""Python's classes and objects: members, decorators, bases."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+from rtron.sources.code.interpreter.arguments import Arguments, NativeCall
+from rtron.sources.code.interpreter.calling import dispatch
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.python_modules import PythonModules
+from rtron.sources.code.interpreter.values import (
+    NONE,
+    ClassValue,
+    Foreign,
+    FunctionValue,
+    Hole,
+    Instance,
+    Known,
+    Native,
+    NativeClass,
+    Value,
+    options,
+)
+from rtron.sources.code.ir import Class, Function, TypeRef
+from rtron.sources.code.natives.enums import ENUM, member, with_members
+
+_MAX_BASES = 32
+
+
+@dataclass(eq=False, slots=True, kw_only=True)
+class PythonObjects(PythonModules):
+    """The classes and objects of one program."""
+
+    def method_names(self, definition: Class) -> list[str]:
+        """Return the names of the methods that a class defines itself."""
+        return [f.name for f in functions_in(definition.body)]
+
+    def instantiate(self, called: Value, arguments: Arguments) -> Value:
+        """Make an object and run its `__init__`."""
+        if not isinstance(called, ClassValue):
+            return Hole("object")
+        if ENUM in self.lineage(called):
+            return member(called, arguments.get(0) or Hole("?"))
+        made = Instance(called)
+        self.machine.instances.append(made)
+        init = self._of_instance(made, "__init__")
+        if init is not None:
+            dispatch(self.machine, init, arguments)
+        else:
+            for value in (*arguments.values, *arguments.keywords.values()):
+                self.machine.escape(value)
+        return made
+
+    def lineage(self, cls: Value) -> Iterator[Value]:
+        """Yield a class and its bases, nearest first."""
+        queue, seen = [cls], 0
+        while queue and seen < _MAX_BASES:
+            seen += 1
+            current = queue.pop(0)
+            yield current
+            if isinstance(current, ClassValue):
+                queue.extend(base for bases in current.bases for base in options(bases))
+
+    def _of_instance(self, owner: Instance, name: str) -> Value | None:
+        if name in owner.fields:
+            return self.machine.seen(name, owner.fields[name])
+        if isinstance(owner.type, NativeClass):
+            call = owner.type.methods.get(name)
+            return Native(name, call, owner) if call else None
+        found = self._of_class(owner.type, name)
+        if isinstance(found, Instance) and found.type is PROPERTY:
+            getter = found.fields["getter"]
+            frame = Frame(file=owner.type.definition.file)
+            return dispatch(self.machine, getter, Arguments(values=(owner,), frame=frame))
+        return _bound_to(owner, found)
+
+    def _of_type(self, owner: ClassValue | NativeClass, name: str) -> Value | None:
+        return _of_no_instance(owner, self._of_class(owner, name))
+
+    def _of_class(self, owner: ClassValue | NativeClass, name: str) -> Value | None:
+        """Return what stands in a class, unbound: a native method has its class for owner."""
+        if name == "__name__":
+            return Known(owner.name)
+        for cls in self.lineage(owner):
+            if isinstance(cls, ClassValue) and name in cls.fields:
+                return _with_class(cls.fields[name], cls)
+            if isinstance(cls, NativeClass) and name in cls.methods:
+                return Native(name, cls.methods[name], cls)
+        return None
+
+    def _class(self, definition: Class, frame: Frame) -> ClassValue:
+        bases = tuple(
+            Hole("base") if isinstance(base, TypeRef) else self.machine.evaluate(base, frame)
+            for base in definition.bases
+        )
+        body = Frame(file=frame.file, closure=frame)
+        self.machine.execute(definition.body, body)
+        made = ClassValue(definition, tuple(map(_as_class, bases)), body.variables, closure=frame)
+        return with_members(made) if ENUM in self.lineage(made) else made
+
+    def _decorated(self, decorator: Value, value: Value, frame: Frame) -> Value:
+        if isinstance(decorator, Foreign):
+            found = _DESCRIPTORS.get(decorator.name)
+            return Instance(found, {"getter": value}) if found else value
+        if not isinstance(decorator, (FunctionValue, Native, ClassValue)):
+            return value
+        made = dispatch(self.machine, decorator, Arguments(values=(value,), frame=frame))
+        return value if isinstance(made, Hole) or made == NONE else made
+
+
+def functions_in(body: tuple[object, ...]) -> Iterator[Function]:
+    """Yield every function that is defined in statements, nested ones too."""
+    for statement in body:
+        what = getattr(statement, "what", None)
+        if isinstance(what, Function):
+            yield what
+            yield from functions_in(what.body or ())
+        elif isinstance(what, Class):
+            yield from functions_in(what.body)
+        else:
+            for name in ("body", "orelse", "final"):
+                yield from functions_in(getattr(statement, name, ()) or ())
+
+
+def _bound_to(owner: Instance, found: Value | None) -> Value | None:
+    if isinstance(found, Instance) and found.type is STATIC:
+        return found.fields["getter"]
+    if isinstance(found, Instance) and found.type is CLASSWISE:
+        return _bound_function(found.fields["getter"], owner.type)
+    if isinstance(found, Native) and isinstance(found.owner, NativeClass):
+        return replace(found, owner=owner)
+    return _bound_function(found, owner) if found is not None else None
+
+
+def _of_no_instance(cls: ClassValue | NativeClass, found: Value | None) -> Value | None:
+    """Return a member as the class itself has it: `Class.method(owner, …)`."""
+    if isinstance(found, Instance) and found.type in {STATIC, CLASSWISE}:
+        return _bound_to(Instance(cls), found)
+    if isinstance(found, Native) and isinstance(found.owner, NativeClass):
+        return Native(found.name, partial(_on_first, found.call))
+    return found
+
+
+def _on_first(method: NativeCall, machine: Machine, _: object, arguments: Arguments) -> Value:
+    return method(machine, arguments.get(0), arguments.shifted(1))
+
+
+def _as_class(base: Value) -> Value:
+    """Return the class that a library's function stands for which makes objects."""
+    if not isinstance(base, Native):
+        return base
+
+    def init(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+        made = base.call(machine, base.owner, arguments)
+        for name, value in made.fields.items() if isinstance(made, Instance) else ():
+            machine.trail.set(owner.fields, name, value)
+        return NONE
+
+    return NativeClass(base.name, methods={"__init__": init})
+
+
+def _bound_function(found: Value, owner: Value) -> Value:
+    if not isinstance(found, FunctionValue) or found.owner is not None:
+        return found
+    return replace(found, owner=owner)
+
+
+def _with_class(found: Value, cls: ClassValue) -> Value:
+    if isinstance(found, FunctionValue) and found.cls is None:
+        return replace(found, cls=cls)
+    return found
+
+
+def _with_setter(_: Machine, owner: Instance, arguments: Arguments) -> Value:
+    return Instance(PROPERTY, {**owner.fields, "setter": arguments.get(0) or NONE})
+
+
+PROPERTY = NativeClass("property", methods={"setter": _with_setter})
+STATIC = NativeClass("staticmethod")
+CLASSWISE = NativeClass("classmethod")
+_DESCRIPTORS = {"property": PROPERTY, "staticmethod": STATIC, "classmethod": CLASSWISE}
