@@ -21,10 +21,10 @@ _MAX_DEPTH = 4
 PAIR = NativeClass("std::pair")
 
 
-def items_of(value: Value, name: str = "?") -> tuple[tuple[Value, ...], bool]:
-    """Return the items of a value, and whether these are all; `name` is what they are called."""
+def items_of(value: Value) -> tuple[tuple[Value, ...], bool]:
+    """Return the items of a value, and whether these are all."""
     if isinstance(value, Choice):
-        found = [items_of(option, name)[0] for option in options(value)]
+        found = [items_of(option)[0] for option in options(value)]
         return tuple(item for items in found for item in items), False
     if isinstance(value, ListValue):
         return value.items, not value.open

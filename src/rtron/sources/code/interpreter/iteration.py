@@ -18,7 +18,7 @@ _LEAVES = {"return", "raise"}
 
 def for_each(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
     """Run `for target in iterable`."""
-    items, certain = items_of(machine.evaluate(node.iterable, frame), named(node.target))
+    items, certain = items_of(machine.evaluate(node.iterable, frame))
     with machine.looping() as depth:
         most = _rounds(depth)
         for item in items[:most]:

@@ -337,7 +337,7 @@ def _resolve(machine: Machine, _: object, arguments: Arguments) -> Value:
     return remapped(machine, resolve(machine, arguments.get(len(arguments.values) - 1) or _UNKNOWN))
 
 
-def _append(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _append(_: Machine, __: object, arguments: Arguments) -> Value:
     left, right = arguments.get(0) or _UNKNOWN, arguments.get(1) or _UNKNOWN
     return concat((left, Known("/"), right))
 
