@@ -5,9 +5,12 @@ import time
 import pytest
 from machine_runs import cpp, names, python
 
+from rtron.sources.code.interpreter.machine import MAX_ALIKE
+
 SECONDS = 20
 UNKNOWN = "rospy.Time.now() > 5"
 
+MANY_ROUNDS = "for a in range(128):\n for b in range(32):\n  for c in range(8):\n   "
 ENDLESS_PYTHON = {
     "loop": "while True:\n    pass\n",
     "string": "x = 'a'\nwhile True:\n    x += x\n",
@@ -34,6 +37,10 @@ ENDLESS_PYTHON = {
     "large replacement": "x = 'a' * 4000\ny = x.replace('a', x)\n",
     "joined": "x = 'a' * 4000\nfor i in range(9):\n    x = x.join([x, x])\n",
     "comprehension": "x = [a for a in range(99) for b in range(99) for c in range(99)]\n",
+    "callbacks": MANY_ROUNDS + "rospy.Subscriber('x', Bool, lambda m, x=[]: 1)\n",
+    "partial callbacks": "import functools\ndef f(m, x):\n    pass\n"
+    + MANY_ROUNDS
+    + "rospy.Subscriber('x', Bool, functools.partial(f, []))\n",
     "loops": "".join("    " * i + f"for i{i} in range(99):\n" for i in range(9))
     + "    " * 9
     + "x = 1\n",
@@ -262,3 +269,17 @@ def test_cpp_calls_with_wrong_arguments_do_not_fail(called, given):
     after = '; nh.advertise<std_msgs::Bool>("after", 1);'
     interface = cpp(body + called.format(given) + after, "typedef std_msgs::Bool S;")
     assert names(interface)[-1:] == ["after"]
+
+
+@pytest.mark.parametrize(("more", "noted"), [(0, []), (1, ["more callbacks than are run"])])
+def test_so_many_callbacks_of_one_function_are_run(more, noted):
+    define = "def f(n):\n    rospy.Timer(1, lambda event, n=n: P('t' + str(n)))\n"
+    interface = python(f"{define}for i in range({MAX_ALIKE}):\n    f(i)\n" + "f('more')\n" * more)
+    assert names(interface) == [f"t{n}" for n in range(MAX_ALIKE)]
+    assert [one.why for one in interface.unresolved] == noted
+
+
+def test_too_many_callbacks_that_join_nothing_are_not_noted():
+    interface = python(f"{MANY_ROUNDS}rospy.Timer(1, lambda event, n=(a, b, c): n)\nP('last')\n")
+    assert names(interface) == ["last"]
+    assert interface.unresolved == ()

@@ -27,11 +27,14 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.interpreter.world import World
 from rtron.sources.code.ir import Expr, Function, Stmt
+from rtron.vocabulary import Evidence
 
 MAX_STEPS = 800_000
 MAX_ASIDE = 4_000
 MAX_CALLS = 48
 MAX_SAME = 3
+MAX_ALIKE = 128
+"""How many callbacks of one function are run: as often as a loop is unrolled."""
 
 Outcome: TypeAlias = str | None
 """How a block ended: "return", "break", "continue", "raise", or None where it goes on."""
@@ -143,19 +146,21 @@ class Machine:
         if isinstance(value, Instance) and isinstance(value.type, ClassValue):
             name = "operator()" if self.world.by_reference else "__call__"
             value = self.world.attribute(value, name, ())
-        if isinstance(value, FunctionValue) and not self._is_pending(value):
-            self.pending.append(value)
-            self.escaped.append(value.function)
+        if isinstance(value, FunctionValue):
+            self._wait(value)
 
-    def _is_pending(self, value: FunctionValue) -> bool:
-        return any(
-            value.function is other.function
-            and value.owner is other.owner
-            and value.closure is other.closure
-            and value.given == other.given
-            and value.named == other.named
-            for other in self.pending
-        )
+    def _wait(self, value: FunctionValue) -> None:
+        """Remember a callback once; too many of one function are noted if they could join nodes."""
+        function = value.function
+        alike = [other for other in self.pending if other.function is function]
+        if any(_same_call(value, other) for other in alike):
+            return
+        if len(alike) < MAX_ALIKE:
+            self.pending.append(value)
+            self.escaped.append(function)
+        elif self.matters(self, function):
+            place = Evidence(file=function.file, line=function.line)
+            self.recorder.unresolved(function.name, "more callbacks than are run", place)
 
     @contextmanager
     def looping(self) -> Iterator[int]:
@@ -201,3 +206,13 @@ class Machine:
         self._steps += 1
         if self._steps > self._limit:
             raise StepsExceededError
+
+
+def _same_call(value: FunctionValue, other: FunctionValue) -> bool:
+    """Tell whether two callbacks of one function are called with the same."""
+    return (
+        value.owner is other.owner
+        and value.closure is other.closure
+        and value.given == other.given
+        and value.named == other.named
+    )

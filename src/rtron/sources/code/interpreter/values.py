@@ -4,7 +4,7 @@ Strings may have holes: `Text(("", Hole("~prefix"), "/scan"))`. `tainted` marks 
 the parameter server, so that an endpoint can say how its name became known.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -211,11 +211,6 @@ TRUE = Known(value=True)
 FALSE = Known(value=False)
 
 
-def known_text(text: str, *, tainted: bool = False) -> Known:
-    """Return a known string."""
-    return Known(text, tainted)
-
-
 def options(value: "Value | None") -> tuple[Value, ...]:
     """Return what a value may be, one after the other."""
     if value is None:
@@ -338,12 +333,3 @@ def _text(parts: tuple[str | Hole, ...], *, tainted: bool) -> Value:
 def spelled(value: Value) -> str:
     """Return a string value with its holes in braces."""
     return "".join(part if isinstance(part, str) else f"{{{part.why}}}" for part in parts_of(value))
-
-
-def texts(value: Value) -> Iterator[Value]:
-    """Yield the options that are, or may be, strings."""
-    for option in options(value):
-        if isinstance(option, (Hole, Text)) or (
-            isinstance(option, Known) and isinstance(option.value, (str, bytes))
-        ):
-            yield option

@@ -13,7 +13,6 @@ from rtron.sources.code.interpreter.values import (
     Native,
     Value,
     each,
-    known_text,
     options,
 )
 from rtron.sources.code.natives.names import value_of
@@ -52,7 +51,7 @@ def _read(machine: Machine, owner: Instance, _: Arguments) -> Value:
         _text(machine, Instance(FILE, {"path": path})) for path in options(owner.fields["path"])
     ]
     text = found[0] if len(found) == 1 else None
-    return Hole("file") if text is None else known_text(text, tainted=True)
+    return Hole("file") if text is None else Known(text, tainted=True)
 
 
 FILE.methods["read"] = _read
