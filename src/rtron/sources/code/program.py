@@ -30,6 +30,7 @@ from rtron.sources.code.natives.python_builtins import BUILTINS
 from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, command_line, constants
 from rtron.sources.code.natives.python_ros import PYTHON_ROS
 from rtron.sources.code.reachability import changed_at_any_time, joins_nodes, run_pending
+from rtron.sources.code.unreached import note_unreached
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence
 
@@ -64,6 +65,7 @@ def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: Files) -> NodeInte
             values = (_count(words), words)
             arguments = Arguments(values=values, line=main.line, frame=Frame(file=main.file))
             called = FunctionValue(main)
+            _part(machine, Path(main.file), world.make_globals)
             _bounded(machine, Path(main.file), partial(machine.call, called, arguments))
         return machine
 
@@ -80,6 +82,7 @@ def run_nodelet(sources: tuple[Path, ...], cls: str, site: NodeSite, files: File
             place = Evidence(file=str(sources[0]) if sources else "")
             machine.recorder.unresolved(f"nodelet {cls}", "its class is not in the sources", place)
         else:
+            _part(machine, Path(found.definition.file), world.make_globals)
             _bounded(machine, Path(found.definition.file), partial(_load, world, found))
         return machine
 
@@ -101,13 +104,15 @@ def _settled(run: Callable[[frozenset[str]], Machine]) -> NodeInterface:
     """Run a program, and once more with what its callbacks change taken as unknown."""
     machine = run(frozenset())
     volatile = changed_at_any_time(machine)
-    return (run(volatile) if volatile else machine).recorder.result()
+    settled = run(volatile) if volatile else machine
+    note_unreached(settled, settled.world.own_functions())
+    return settled.recorder.result()
 
 
 def _cpp(
     sources: tuple[Path, ...], site: NodeSite, files: Files, volatile: frozenset[str]
 ) -> tuple[CppWorld, Machine]:
-    symbols = Symbols(files)
+    symbols = Symbols(files, sources)
     for source in sources:
         symbols.load(source)
     world = CppWorld(

@@ -95,10 +95,20 @@ def _waiting(machine: Machine) -> Iterator[FunctionValue]:
         if joins_nodes(machine, callback.function):
             yield callback
     for instance in list(machine.instances):
+        if isinstance(instance, Instance):
+            yield from _destructor(machine, instance)
         if isinstance(instance, Instance) and _has_unknown_base(machine, instance):
             for method in _methods(machine, instance):
                 if _counts(machine, method.function):
                     yield method
+
+
+def _destructor(machine: Machine, instance: Instance) -> Iterator[FunctionValue]:
+    plain = instance.type.name.rpartition("::")[2]
+    name = f"~{plain}" if machine.world.by_reference else "__del__"
+    found = machine.world.attribute(instance, name, ())
+    if isinstance(found, FunctionValue) and _counts(machine, found.function):
+        yield found
 
 
 def _key(function: Function) -> tuple[str, int, str]:

@@ -13,21 +13,7 @@ from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_inside
 
 MAX_DATA = 2**20
-_CPP = {
-    ".cpp",
-    ".cc",
-    ".cxx",
-    ".c",
-    ".cu",
-    ".h",
-    ".hpp",
-    ".hh",
-    ".hxx",
-    ".cuh",
-    ".ipp",
-    ".tpp",
-    ".inl",
-}
+_PYTHON = {"", ".py", ".pyw"}
 
 
 @dataclass(eq=False, slots=True)
@@ -82,7 +68,7 @@ class WorkspaceFiles:
 
 
 def _lowered(path: Path) -> Unit:
-    is_cpp = path.suffix.lower() in _CPP
+    is_cpp = path.suffix.lower() not in _PYTHON
     try:
         text = path.read_bytes()
     except OSError as error:

@@ -10,12 +10,14 @@ from rtron.sources.code.interpreter.values import (
     OPEN,
     ClassValue,
     FunctionValue,
+    Hole,
     Instance,
     Known,
     ListValue,
     MapValue,
     ModuleValue,
     Value,
+    is_text,
     join,
     options,
 )
@@ -93,6 +95,15 @@ def _assign_element(machine: Machine, target: Index, value: Value, frame: Frame)
             machine.trail.set(owner.fields, name, value)
         elif isinstance(owner, ListValue):
             _assign_item(machine, owner, key, value)
+        elif is_text(owner):
+            _assign_letter(machine, target, frame)
+
+
+def _assign_letter(machine: Machine, target: Index, frame: Frame) -> None:
+    """`s[0] = 'x'`: what the string is then is left open."""
+    place = place_of(machine, target.owner, frame)
+    if place is not None:
+        machine.trail.set(*place, Hole(str(place.key)))
 
 
 def remove(machine: Machine, owner: Value, key: Value) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
-from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.iterators import item_at
 from rtron.sources.code.interpreter.machine import Machine
@@ -16,16 +16,25 @@ from rtron.sources.code.interpreter.values import (
     FunctionValue,
     Hole,
     Instance,
+    Known,
     MapValue,
     MessageType,
     Native,
     NativeClass,
+    Text,
     Value,
     each,
+    is_tainted,
+    is_text,
+    join,
     spelled,
 )
-from rtron.sources.code.ir import Attr, Call, Expr, Name, Star, TypeRef
+from rtron.sources.code.ir import Attr, Call, Expr, Index, Name, Star, TypeRef
 
+WRITING = frozenset(
+    {"replace", "transform", "reverse", "rotate", "swap", "generate", "fill", "sort", "strcat"}
+)
+"""Functions of the standard library that change what they are given."""
 JOINING = frozenset({"advertise", "subscribe", "advertiseService", "serviceClient"})
 
 
@@ -73,7 +82,18 @@ def _call_unknown(machine: Machine, called: Value, arguments: Arguments) -> Valu
             return dispatch(machine, method, arguments)
     for value in (*arguments.values, *arguments.keywords.values()):
         machine.escape(value)
+    if not called_name(called).isupper():
+        _may_write(machine, called_name(called).rpartition("::")[2], arguments)
     return Hole(f"{called_name(called)}()")
+
+
+def _may_write(machine: Machine, name: str, arguments: Arguments) -> None:
+    """Forget the strings that a C++ function nobody knows may have changed."""
+    for place in filter(None, arguments.places):
+        before = place.holder.get(place.key)
+        if isinstance(before, (Known, Text)) and is_text(before):
+            after = Hole(str(place.key), is_tainted(before))
+            machine.trail.set(*place, after if name in WRITING else join((before, after)))
 
 
 def called_name(called: Value) -> str:
@@ -95,11 +115,22 @@ def _arguments(machine: Machine, node: Call, frame: Frame) -> Arguments:
     return Arguments(
         values=tuple(values),
         keywords=_keywords(machine, node, frame),
-        places=tuple(place_of(machine, a, frame) for a in node.args) if by_reference else (),
+        places=tuple(_place(machine, a, frame) for a in node.args) if by_reference else (),
         types=_types(node.function),
         line=node.line,
         frame=frame,
     )
+
+
+def _place(machine: Machine, node: Expr, frame: Frame) -> Place | None:
+    """Return where an argument is kept; `s.begin()` and `&s[0]` lead to s."""
+    if isinstance(node, Call) and isinstance(node.function, Attr):
+        inner = node.function.owner if node.function.name in {"begin", "end"} else None
+        return place_of(machine, inner, frame) if inner is not None else None
+    found = place_of(machine, node, frame)
+    if found is None and isinstance(node, Index):
+        return place_of(machine, node.owner, frame)
+    return found
 
 
 def _keywords(machine: Machine, node: Call, frame: Frame) -> dict[str, Value]:

@@ -35,6 +35,11 @@ class CppTypes:
     native_classes: Mapping[str, NativeClass]
     _classes: dict[str, ClassValue] = field(default_factory=dict)
 
+    def own_functions(self) -> Iterator[Function]:
+        """Yield the functions of the program's sources, and of the headers in its package."""
+        for functions in self.symbols.functions.values():
+            yield from (f for f in functions if self.symbols.is_own(f.file))
+
     def named(self, name: str) -> tuple[Function, ...]:
         """Return the functions whose last part is a name."""
         return self.symbols.named(name)

@@ -195,6 +195,12 @@ class CppWorld(CppObjects):
 
         return Native(type.name, make)
 
+    def make_globals(self) -> None:
+        """Make the program's global objects, as is done before main runs."""
+        for name, (declared, file) in list(self.symbols.variables.items()):
+            if declared.type is not None and self.symbols.is_own(file):
+                self.lookup(Name(name), Frame(file=file))
+
     def _initialised(self, name: str) -> Value:
         declared, file = self.symbols.variables[name]
         scope = name.rpartition("::")[0]

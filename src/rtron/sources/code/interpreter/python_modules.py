@@ -34,6 +34,11 @@ class PythonModules:
         self.machine.execute(unit.body, frame)
         return module
 
+    def own_functions(self) -> Iterator[Function]:
+        """Yield the functions of the modules that were loaded."""
+        for functions in self._named.values():
+            yield from functions
+
     def named(self, name: str) -> tuple[Function, ...]:
         """Return the functions with a name, in the modules that were loaded."""
         return tuple(self._named.get(name, ()))

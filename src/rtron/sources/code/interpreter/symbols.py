@@ -36,6 +36,7 @@ class Symbols:
     """Functions, classes, variables, aliases and enumerators, by their qualified names."""
 
     files: Files
+    sources: tuple[Path, ...] = ()
     functions: dict[str, list[Function]] = field(default_factory=dict)
     classes: dict[str, Class] = field(default_factory=dict)
     variables: dict[str, tuple[Declare, str]] = field(default_factory=dict)
@@ -64,6 +65,13 @@ class Symbols:
     def named(self, plain: str) -> tuple[Function, ...]:
         """Return the functions whose last part is a name."""
         return tuple(self._plain.get(plain, ()))
+
+    def is_own(self, file: str) -> bool:
+        """Tell whether a file is one of the program's sources, or a header of its package."""
+        path = Path(file)
+        return path in self.sources or any(
+            path.is_relative_to(folder) for source in self.sources for folder in source.parents[:2]
+        )
 
     def methods(self, cls: str) -> list[str]:
         """Return the names of the methods defined for a class."""

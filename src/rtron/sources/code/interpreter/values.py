@@ -279,6 +279,11 @@ _TRUTHS: Mapping[type, Callable[[Any], bool | None]] = {
 }
 
 
+def is_text(value: Value) -> bool:
+    """Tell whether a value is a string, known whole or in part."""
+    return isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str))
+
+
 def is_tainted(value: Value) -> bool:
     """Tell whether a value came out of the parameter server, or has a part that did."""
     if isinstance(value, Choice):

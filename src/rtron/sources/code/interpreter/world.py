@@ -67,6 +67,10 @@ class World(Protocol):
         """Return the scanned functions with a plain name, in whatever class."""
         ...
 
+    def own_functions(self) -> Iterator[Function]:
+        """Yield the functions of the program's own files."""
+        ...
+
 
 class Cpp(World, Protocol):
     """What native functions of C++ ask besides."""
