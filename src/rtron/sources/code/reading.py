@@ -1,6 +1,6 @@
 """The workspace as the interpreter sees it: files lowered once, headers and modules found."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -21,13 +21,19 @@ class WorkspaceFiles:
     """Answers the interpreter from a Workspace."""
 
     workspace: Workspace
-    _units: dict[Path, Unit] = field(default_factory=dict)
+    definitions: tuple[str, ...] = ()
+    _units: dict[tuple[Path, tuple[str, ...]], Unit] = field(default_factory=dict)
+
+    def defining(self, definitions: tuple[str, ...]) -> "WorkspaceFiles":
+        """Return the same files for a target that defines macros, `NAME` or `NAME=value`."""
+        return replace(self, definitions=definitions)
 
     def unit(self, path: Path) -> Unit:
         """Return a file, lowered; one that cannot be read is empty, with a Problem."""
-        if path not in self._units:
-            self._units[path] = _lowered(path)
-        return self._units[path]
+        key = (path, self.definitions)
+        if key not in self._units:
+            self._units[key] = _lowered(path, self.definitions)
+        return self._units[key]
 
     def header(self, include: str, includer: Path) -> Path | None:
         """Return the file that `#include` means."""
@@ -67,7 +73,7 @@ class WorkspaceFiles:
         return Plugin(found.declared.type, found.program.sources)
 
 
-def _lowered(path: Path) -> Unit:
+def _lowered(path: Path, definitions: tuple[str, ...]) -> Unit:
     is_cpp = path.suffix.lower() not in _PYTHON
     try:
         text = path.read_bytes()
@@ -75,7 +81,10 @@ def _lowered(path: Path) -> Unit:
         language = Language.CPP if is_cpp else Language.PYTHON
         problem = Problem(0, f"cannot be read: {error.strerror}")
         return Unit(file=str(path), language=language, problems=(problem,))
-    return lower_cpp(str(path), text) if is_cpp else lower_python(str(path), text)
+    if not is_cpp:
+        return lower_python(str(path), text)
+    pairs = (definition.partition("=") for definition in definitions)
+    return lower_cpp(str(path), text, {name: value or "1" for name, _, value in pairs})
 
 
 def _beside(dotted: str, importer: Path) -> Path | None:

@@ -12,6 +12,7 @@ from rtron.sources.code.ir import (
     Function,
     Name,
     New,
+    Stmt,
     TypeRef,
 )
 
@@ -36,6 +37,13 @@ def written_names(function: Function) -> frozenset[str]:
     names = {target.name for target in targets if isinstance(target, Attr)}
     names |= {target.id for target in targets if isinstance(target, Name)} - local
     return frozenset(names)
+
+
+@lru_cache(maxsize=20_000)
+def assigned_names(body: tuple[Stmt, ...]) -> frozenset[str]:
+    """Return the variables that statements assign to."""
+    found = (target for node in _nodes(body) if isinstance(node, Assign) for target in node.targets)
+    return frozenset(target.id for target in found if isinstance(target, Name))
 
 
 def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR

@@ -56,7 +56,7 @@ def parts_of(node: AppNode, workspace: Workspace, models: Models) -> Iterator[Pa
 def _chosen(own: Part, program: Program | None, model: Model | None) -> Part:
     if program is not None and program.language in _KINDS and program.sources:
         kind = _KINDS[program.language]
-        own = replace(own, task=Task(kind=kind, sources=program.sources, site=own.node.site))
+        own = replace(own, task=_task(kind, program, own))
     if model is not None and (own.task is None or model.over_source):
         own = replace(own, model=model)
     if own.task is not None or own.model is not None:
@@ -81,15 +81,19 @@ def _nodelet_parts(loader: Part, workspace: Workspace, models: Models) -> Iterat
 def _nodelet(part: Part, name: str, workspace: Workspace, models: Models) -> Part:
     model, plugin = models.nodelet(name), workspace.nodelet(name)
     if plugin is not None and plugin.program is not None and plugin.program.sources:
-        task = Task(
-            kind=TaskKind.NODELET,
-            sources=plugin.program.sources,
-            cls=plugin.declared.type,
-            site=part.node.site,
-        )
+        task = replace(_task(TaskKind.NODELET, plugin.program, part), cls=plugin.declared.type)
         part = replace(part, task=task)
     if model is not None and (part.task is None or model.over_source):
         part = replace(part, model=model)
     if part.task is not None or part.model is not None:
         return part
     return part.missing(f"nodelet {name}", "no source of it is here, and no model")
+
+
+def _task(kind: TaskKind, program: Program, part: Part) -> Task:
+    return Task(
+        kind=kind,
+        sources=program.sources,
+        definitions=program.definitions,
+        site=part.node.site,
+    )

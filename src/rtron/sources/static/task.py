@@ -7,6 +7,7 @@ from pathlib import Path
 from rtron.sources.code.interpreter.files import Files, Plugin
 from rtron.sources.code.ir import Unit
 from rtron.sources.code.program import run_cpp, run_nodelet, run_python
+from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.code.shell import read_shell
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Word
@@ -23,11 +24,12 @@ class TaskKind(Word):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """A program's sources and the node it runs as; `cls` is a nodelet's class."""
+    """A program's sources, macros and the node it runs as; `cls` is a nodelet's class."""
 
     kind: TaskKind
     sources: tuple[Path, ...]
     cls: str = ""
+    definitions: tuple[str, ...] = ()
     site: NodeSite
 
 
@@ -39,9 +41,9 @@ class TaskResult:
     files: tuple[tuple[str, str], ...] = ()
 
 
-def run_task(task: Task, files: Files) -> TaskResult:
+def run_task(task: Task, files: WorkspaceFiles) -> TaskResult:
     """Return what a task's program declares."""
-    watched = WatchedFiles(files)
+    watched = WatchedFiles(files.defining(task.definitions))
     interface = _run(task, watched)
     read = dict.fromkeys((*task.sources, *watched.read))
     hashes = tuple((str(path), content_hash(path)) for path in read)

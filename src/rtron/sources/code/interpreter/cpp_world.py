@@ -22,6 +22,7 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Text,
     Value,
+    is_text,
 )
 from rtron.sources.code.ir import (
     Declare,
@@ -91,9 +92,9 @@ class CppWorld(CppObjects):
 
     def declare(self, node: Declare, frame: Frame) -> None:
         """Make a local variable."""
-        if node.reference and node.value is not None:
+        if (node.reference or node.pointer) and node.value is not None:
             place = place_of(self.machine, node.value, frame)
-            if place is not None and place.key in place.holder:
+            if place is not None and _may_alias(node, place.holder.get(place.key)):
                 frame.aliases[node.name] = place
                 return
         frame.aliases.pop(node.name, None)
@@ -214,6 +215,11 @@ class CppWorld(CppObjects):
             or name in frame.aliases
             or (frame.closure is not None and self._in_closure(name, frame.closure))
         )
+
+
+def _may_alias(node: Declare, value: Value | None) -> bool:
+    """A pointer to an object is the object; one to a string is another name of its variable."""
+    return value is not None and (node.reference or is_text(value))
 
 
 def _of_container(owner: ListValue | MapValue, name: str) -> Value | None:

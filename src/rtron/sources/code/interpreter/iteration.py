@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterator
 
-from rtron.sources.code.interpreter.assignment import assign
+from rtron.sources.code.interpreter.assignment import assign, place_of
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.machine import Machine, Outcome
 from rtron.sources.code.interpreter.values import Hole, Instance, Known, Text, Value, truth
 from rtron.sources.code.ir import Expr, ForEach, Name, While
+from rtron.sources.code.words import assigned_names
 
 MAX_ROUNDS = (128, 32, 8, 2)
 """How often a loop is unrolled: an outermost one, one within it, and so on."""
@@ -19,6 +20,10 @@ _LEAVES = {"return", "raise"}
 def for_each(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
     """Run `for target in iterable`."""
     items, certain = items_of(machine.evaluate(node.iterable, frame))
+    if machine.world.by_reference and _changes_items(node):
+        place = place_of(machine, node.iterable, frame)
+        if place is not None:
+            machine.trail.set(*place, Hole(str(place.key)))
     with machine.looping() as depth:
         most = _rounds(depth)
         for item in items[:most]:
@@ -31,6 +36,11 @@ def for_each(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
         if not certain or len(items) > most:
             in_doubt(machine, frame, lambda: _round(machine, node, frame))
     return None
+
+
+def _changes_items(node: ForEach) -> bool:
+    """`for (auto& item : items) item = …`: what the items are then is left open."""
+    return named(node.target) in assigned_names(node.body)
 
 
 def _rounds(depth: int) -> int:

@@ -280,6 +280,13 @@ def _marker_server(machine: Machine, arguments: Arguments) -> Value:
     return Instance(ENDPOINT)
 
 
+def _shape_shifter(machine: Machine, _: Value, arguments: Arguments) -> Value:
+    """`ShapeShifter::advertise(handle, topic, queue)`: any message type."""
+    topic = in_handle(machine, _handle_in(machine, arguments), arguments.get(1))
+    endpoints.declare(machine, _PUBLISH, topic, "*", arguments)
+    return Instance(ENDPOINT, {"name": remapped(machine, topic)})
+
+
 def _nodelet_loader(_: Machine, __: Arguments) -> Value:
     return Instance(_NODELET_LOADER)
 
@@ -348,6 +355,7 @@ _NODELET = NativeClass(
         "getName": _nodelet_name,
     },
 )
+_SHAPE_SHIFTER = NativeClass("topic_tools::ShapeShifter", methods={"advertise": _shape_shifter})
 _NODELET_LOADER = NativeClass("nodelet::Loader", _nodelet_loader)
 
 _POINTER = NativeClass("pointer", lambda machine, arguments: arguments.get(0) or NONE)
@@ -406,6 +414,7 @@ CPP_ROS_CLASSES: dict[str, NativeClass] = {
     **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _POINTER),
     "nodelet_topic_tools::NodeletLazy": _NODELET,
     "CameraInfoManager": _CAMERA_INFO,
+    "topic_tools::ShapeShifter": _SHAPE_SHIFTER,
 }
 CPP_ROS_FUNCTIONS = {name: Native(name, call) for name, call in FUNCTIONS.items()}
 OPTIONS.methods.update(init=_init_options, initByFullCallbackType=_init_options)

@@ -34,6 +34,7 @@ from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.natives.cpp import cpp
 from rtron.sources.code.natives.started import shell_words, started_by_words
 
+_HIDDEN = "runs or registers what the source does not show"
 _SIZE_AND_FILL = 2
 _KEY_AND_VALUE = 2
 _NUMBERS: Mapping[str, object] = {
@@ -308,6 +309,21 @@ def _getenv(machine: Machine, _: object, arguments: Arguments) -> Value:
     return Hole("getenv")
 
 
+def _copy_text(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`strcpy(target, source)`."""
+    place = arguments.place(0)
+    if place is not None:
+        machine.trail.set(*place, arguments.get(1) or Hole("strcpy"))
+    return arguments.get(1) or Hole("strcpy")
+
+
+def _hidden(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """Note a call that runs what the source does not show."""
+    what = " ".join(spelled(value) for value in arguments.values[:1])
+    machine.recorder.unresolved(f"call of {what}", _HIDDEN, arguments.evidence)
+    return Hole("hidden")
+
+
 def _system(machine: Machine, _: object, arguments: Arguments) -> Value:
     for option in options(arguments.get(0)):
         started_by_words(machine, shell_words(spelled(option)), arguments)
@@ -462,6 +478,23 @@ def _functions() -> dict[str, Native]:
         "atoi": partial(_parsed, int),
         "atof": partial(_parsed, float),
         **dict.fromkeys(("exit", "_exit", "abort"), _exit),
+        **dict.fromkeys(("strcpy", "std::strcpy", "strncpy"), _copy_text),
+        **dict.fromkeys(
+            [
+                "dlopen",
+                "execl",
+                "execlp",
+                "execle",
+                "execv",
+                "execvp",
+                "execve",
+                "posix_spawn",
+                "ros::master::execute",
+                "ros::TopicManager::instance",
+                "ros::ServiceManager::instance",
+            ],
+            _hidden,
+        ),
         "getenv": _getenv,
         "std::getenv": _getenv,
         "system": _system,

@@ -43,6 +43,8 @@ _NAME_AND_DEFAULT = 2
 def make_handle(machine: Machine, arguments: Arguments) -> Value:
     """`NodeHandle()`, `NodeHandle("ns")`, `NodeHandle(parent, "ns")`."""
     first, second = arguments.get(0), arguments.get(1)
+    if isinstance(arguments.values[-1] if arguments.values else None, MapValue):
+        note_remaps(machine, arguments)
     if isinstance(first, Instance) and "namespace" in first.fields:
         parent = first.fields["namespace"]
         if second is None or second == Known(""):
@@ -51,6 +53,12 @@ def make_handle(machine: Machine, arguments: Arguments) -> Value:
     if first is None or first == Known(""):
         return handle(Known(node_namespace(machine)))
     return handle(remapped(machine, resolve(machine, first)))
+
+
+def note_remaps(machine: Machine, arguments: Arguments) -> None:
+    """Note remaps that the program gives itself, beside the launch's."""
+    why = "the program remaps names itself; they are shown as declared"
+    machine.recorder.unresolved("remaps in the program", why, arguments.evidence)
 
 
 def handle(namespace: Value) -> Instance:
@@ -352,6 +360,13 @@ def _call_service(machine: Machine, _: object, arguments: Arguments) -> Value:
     return Hole("call")
 
 
+def _init(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`ros::init(argc, argv, name)`, or with remaps in the place of the command line."""
+    if isinstance(arguments.get(0), (MapValue, ListValue)):
+        note_remaps(machine, arguments)
+    return NONE
+
+
 FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::param::get": _without_handle(get_param),
     "ros::param::getCached": _without_handle(get_param),
@@ -360,6 +375,7 @@ FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::param::set": _without_handle(set_param),
     "ros::param::search": _without_handle(search_param),
     "ros::topic::waitForMessage": _wait_for_message,
+    "ros::init": _init,
     "ros::service::call": _call_service,
     "ros::this_node::getName": _node_name,
     "ros::this_node::getNamespace": _node_namespace,
