@@ -1,6 +1,5 @@
 """`rtron model`."""
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +12,7 @@ from rtron.cli.options import Output
 from rtron.cli.outcome import STDOUT, Outcome
 from rtron.reports.neutral import neutral
 from rtron.sources.static.draft import draft_model
-from rtron.sources.static.worker import RECURSION_LIMIT
+from rtron.sources.static.worker import deep_recursion
 from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import Unresolved
 
@@ -46,8 +45,9 @@ def draft(
 
     Exit code: 0 drafted, 2 no program.
     """
-    sys.setrecursionlimit(RECURSION_LIMIT)
-    drafted = draft_model(source, read_workspace(packages or [_package(source)], {}))
+    workspace = read_workspace(packages or [_package(source)], {})
+    with deep_recursion():
+        drafted = draft_model(source, workspace)
     _remark(drafted.unresolved)
     return Outcome(drafted.text, to=output)
 

@@ -11,6 +11,7 @@ from rtron.vocabulary import Evidence
 
 BASE = "SRCROOT"
 _ADDRESSES = ("http://", "https://")
+_PUBLIC = "github.com/"
 
 
 def physical_location(evidence: Evidence, root: Path | None) -> dict[str, Any]:
@@ -45,6 +46,8 @@ def base_ids(root: Path | None) -> dict[str, Any]:
 
 
 def _artifact(file: str, root: Path | None) -> dict[str, str]:
+    if file.startswith(_PUBLIC):
+        return {"uri": "https://" + quote(file, safe="/:@?&=%[]", errors="replace")}
     if file.lower().startswith(_ADDRESSES):
         return {"uri": quote(file, safe="/:@?&=%[]", errors="replace")}
     path = PurePosixPath(normpath(file))

@@ -24,7 +24,7 @@ class Folder:
             Path(name): Unit(file=name, language=Language.CPP, **u) for name, u in units.items()
         }
 
-    def unit(self, path):
+    def unit(self, path, language):
         return self.units[path]
 
     def header(self, include, includer):

@@ -123,6 +123,9 @@ def _cpp(
     )
     machine = _machine(world, site, volatile)
     world.machine = machine
+    for path, unit in symbols.units.items():
+        for problem in unit.problems if path in sources else ():
+            machine.recorder.problem(path, problem)
     return world, machine
 
 

@@ -13,7 +13,6 @@ from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_inside
 
 MAX_DATA = 2**20
-_PYTHON = {"", ".py", ".pyw"}
 
 
 @dataclass(eq=False, slots=True)
@@ -22,17 +21,17 @@ class WorkspaceFiles:
 
     workspace: Workspace
     definitions: tuple[str, ...] = ()
-    _units: dict[tuple[Path, tuple[str, ...]], Unit] = field(default_factory=dict)
+    _units: dict[tuple[Path, Language, tuple[str, ...]], Unit] = field(default_factory=dict)
 
     def defining(self, definitions: tuple[str, ...]) -> "WorkspaceFiles":
         """Return the same files for a target that defines macros, `NAME` or `NAME=value`."""
         return replace(self, definitions=definitions)
 
-    def unit(self, path: Path) -> Unit:
+    def unit(self, path: Path, language: Language) -> Unit:
         """Return a file, lowered; one that cannot be read is empty, with a Problem."""
-        key = (path, self.definitions)
+        key = (path, language, self.definitions)
         if key not in self._units:
-            self._units[key] = _lowered(path, self.definitions)
+            self._units[key] = _lowered(path, language, self.definitions)
         return self._units[key]
 
     def header(self, include: str, includer: Path) -> Path | None:
@@ -73,15 +72,13 @@ class WorkspaceFiles:
         return Plugin(found.declared.type, found.program.sources)
 
 
-def _lowered(path: Path, definitions: tuple[str, ...]) -> Unit:
-    is_cpp = path.suffix.lower() not in _PYTHON
+def _lowered(path: Path, language: Language, definitions: tuple[str, ...]) -> Unit:
     try:
         text = path.read_bytes()
     except OSError as error:
-        language = Language.CPP if is_cpp else Language.PYTHON
         problem = Problem(0, f"cannot be read: {error.strerror}")
         return Unit(file=str(path), language=language, problems=(problem,))
-    if not is_cpp:
+    if language is Language.PYTHON:
         return lower_python(str(path), text)
     pairs = (definition.partition("=") for definition in definitions)
     return lower_cpp(str(path), text, {name: value or "1" for name, _, value in pairs})

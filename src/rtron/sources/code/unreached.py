@@ -1,5 +1,6 @@
 """Functions that join nodes but that nothing seen calls: noted, so that no one can hide there."""
 
+from collections import defaultdict
 from collections.abc import Iterable
 
 from rtron.sources.code.interpreter.machine import Machine
@@ -23,10 +24,14 @@ JOINS = frozenset(
 
 
 def note_unreached(machine: Machine, functions: Iterable[Function]) -> None:
-    """Note each function that would declare something and never ran."""
+    """Note the functions that would declare something and never ran, one note a file."""
+    unreached: dict[str, list[Function]] = defaultdict(list)
     for function in functions:
         ran = (function.file, function.line, function.name) in machine.ran
         if function.body is not None and not ran and called_words(function) & JOINS:
-            place = Evidence(file=function.file, line=function.line)
-            why = "joins nodes, but nothing that is seen calls it"
-            machine.recorder.unresolved(f"{function.name}()", why, place)
+            unreached[function.file].append(function)
+    for file, found in unreached.items():
+        more = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        place = Evidence(file=file, line=found[0].line)
+        why = "joins nodes, but nothing that is seen calls it"
+        machine.recorder.unresolved(f"{found[0].name}(){more}", why, place)

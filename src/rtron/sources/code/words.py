@@ -10,11 +10,14 @@ from rtron.sources.code.ir import (
     Call,
     Declare,
     Function,
+    Index,
     Name,
     New,
     Stmt,
     TypeRef,
 )
+
+_ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", "add", "update"])
 
 
 @lru_cache(maxsize=50_000)
@@ -34,8 +37,16 @@ def written_names(function: Function) -> frozenset[str]:
         if isinstance(node, Assign)
         for target in node.targets
     ]
-    names = {target.name for target in targets if isinstance(target, Attr)}
-    names |= {target.id for target in targets if isinstance(target, Name)} - local
+    changed = [target.owner if isinstance(target, Index) else target for target in targets]
+    changed.extend(
+        node.function.owner
+        for node in _nodes(function.body)
+        if isinstance(node, Call)
+        and isinstance(node.function, Attr)
+        and node.function.name in _ADDING
+    )
+    names = {target.name for target in changed if isinstance(target, Attr)}
+    names |= {target.id for target in changed if isinstance(target, Name)} - local
     return frozenset(names)
 
 

@@ -1,6 +1,7 @@
 """A launch file's XML: safely parsed, its elements counted in document order."""
 
 import os.path
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from rtron.sources.bounded import read_bounded
 
 MAX_BYTES = 1024 * 1024
 
+_VERSION = re.compile(rb"""\A(\xef\xbb\xbf)?<\?xml\s+version\s*=\s*(["'])1\.0[\w.:-]+\2""")
 Element: TypeAlias = etree._Element  # noqa: SLF001 - lxml gives the class no public name
 
 
@@ -52,10 +54,13 @@ def parse_xml(path: Path) -> Element:
 
 
 def parse_xml_bytes(data: bytes, path: str) -> Element:
-    """Return the root element of what was read from `path`; raise InputError as `parse_xml`."""
+    """Return the root element of what was read from `path`; raise InputError as `parse_xml`.
+
+    A version like `1.0.0` counts as 1.0, as it does for the tools of ROS.
+    """
     parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
     try:
-        root = etree.fromstring(data, parser)
+        root = etree.fromstring(_VERSION.sub(rb'\1<?xml version="1.0"', data), parser)
     except etree.XMLSyntaxError as error:
         raise InputError(f"not XML: {error.msg}", path=path, line=error.lineno or 0) from None
     if etree.ElementTree(root).docinfo.internalDTD is not None:

@@ -5,13 +5,34 @@ ROS wiki: roslaunch/XML/env, roslaunch/XML/machine.
 
 from rtron.sources.launch.scope import Scope
 from rtron.sources.launch.tag import Tag
+from rtron.sources.launch.unresolved import Notes
 
 _OLD_ATTRIBUTES = ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
+_LOADING = frozenset({"LD_PRELOAD", "LD_LIBRARY_PATH", "PYTHONPATH"})
+_HARMLESS = frozenset(
+    [
+        "chrt",
+        "gdb",
+        "gnome-terminal",
+        "ionice",
+        "nice",
+        "screen",
+        "stdbuf",
+        "sudo",
+        "taskset",
+        "time",
+        "valgrind",
+        "xterm",
+    ]
+)
 _DEFAULTS = frozenset({"true", "false", "never"})
 
 
-def read_env(tag: Tag, scope: Scope) -> None:
-    """Put an `<env>` in force in a scope, if it applies; raise InputError if it is none."""
+def read_env(tag: Tag, scope: Scope, notes: Notes) -> None:
+    """Put an `<env>` in force in a scope, if it applies; raise InputError if it is none.
+
+    One that may bring other code into the process is noted.
+    """
     if not tag.applies():
         return
     name = tag.required("name")
@@ -19,6 +40,16 @@ def read_env(tag: Tag, scope: Scope) -> None:
     if value is None:
         tag.fault("has no 'value'")
     scope.environ.append((name, value))
+    if name in _LOADING:
+        notes.add(tag, f"{name} may bring code into the process that is not looked at")
+
+
+def note_prefix(tag: Tag, notes: Notes) -> None:
+    """Note a `launch-prefix` that may run something else than the node."""
+    prefix = notes.text(tag, "launch-prefix")
+    words = prefix.split()
+    if words and words[0].rpartition("/")[2] not in _HARMLESS:
+        notes.add(tag, f"what its launch-prefix '{prefix}' runs is not looked at")
 
 
 def check_machine(tag: Tag) -> None:

@@ -73,7 +73,7 @@ class FileReader:
         if tag.name == "remap":
             read_remap(tag, scope)
         elif tag.name == "env":
-            read_env(tag, scope)
+            read_env(tag, scope, self.reading.notes)
         elif tag.name == "machine":
             with self.reading.notes.noting_include(tag):
                 check_machine(tag)

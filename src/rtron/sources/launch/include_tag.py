@@ -19,7 +19,7 @@ def included_scope(tag: Tag, scope: Scope, notes: Notes) -> Scope:
             _pass_argument(child, inner)
         elif child.name.lower() == "env":
             with notes.noting(child):
-                read_env(child, inner)
+                read_env(child, inner, notes)
     without_value = inner.declared - set(inner.arguments)
     if without_value:
         tag.fault(f"passes {', '.join(sorted(without_value))} without a value")

@@ -1,6 +1,6 @@
 """`<node>` and `<test>`: the node that starts, its parameters (ROS wiki: roslaunch/XML/node)."""
 
-from rtron.sources.launch.environment_tags import read_env
+from rtron.sources.launch.environment_tags import note_prefix, read_env
 from rtron.sources.launch.param_tag import read_private_param
 from rtron.sources.launch.reading import Reading
 from rtron.sources.launch.rosparam_tag import read_rosparam, run_rosparam
@@ -21,6 +21,7 @@ def read_node(tag: Tag, scope: Scope, place: int, reading: Reading) -> LaunchNod
     if tag.clears():
         reading.parameters.clear(own.namespace, scope.doubt)
     _read_children(tag, inner, own, reading)
+    note_prefix(tag, notes)
     node = LaunchNode(
         name=as_pattern(full_name),
         package=notes.text(tag, "pkg") or tag.fault("has no 'pkg'"),
@@ -54,7 +55,7 @@ def _read_children(tag: Tag, inner: Scope, own: Scope, reading: Reading) -> None
             if kind == "remap":
                 read_remap(child, inner)
             elif kind == "env":
-                read_env(child, inner)
+                read_env(child, inner, reading.notes)
             elif kind in {"param", "rosparam"}:
                 _read_parameters(child, own, private, reading)
     with reading.notes.noting(tag):

@@ -12,7 +12,6 @@ from rtron.sources.static.part import Part, parts_of
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.task import Task, TaskResult
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Resolution
 
 
 @dataclass(slots=True, kw_only=True)
@@ -50,13 +49,20 @@ class Interpreting:
     def _with_interface(self, part: Part, results: Mapping[int, TaskResult]) -> Part:
         read = results[id(part.task)].interface if part.task is not None else None
         if part.model is not None:
-            modelled = interface(part.model, part.node.site, models=self.models)
+            modelled = _placed(interface(part.model, part.node.site, models=self.models), part)
             return replace(part, interface=_with_new(modelled, read) if read else modelled)
         return replace(part, interface=read) if read else part
 
 
+def _placed(modelled: NodeInterface, part: Part) -> NodeInterface:
+    """Return what a model says, with the place where its node is started before the model's."""
+    place = part.node.evidence
+    declarations = (replace(d, evidence=(place, *d.evidence)) for d in modelled.declarations)
+    return replace(modelled, declarations=tuple(declarations))
+
+
 def _with_new(modelled: NodeInterface, read: NodeInterface) -> NodeInterface:
-    """Return a model's interface and what a changed source says beside it, as far as it is sure.
+    """Return a model's interface and what a changed source says beside it.
 
     A copy of a well-known package in a workspace may have been given another publisher.
     """
@@ -65,7 +71,6 @@ def _with_new(modelled: NodeInterface, read: NodeInterface) -> NodeInterface:
         declared
         for declared in read.declarations
         if not declared.implicit
-        and declared.resolution is not Resolution.SYMBOLIC
         and (declared.kind, declared.name) not in known
     )
     return replace(modelled, declarations=(*modelled.declarations, *new), starts=read.starts)

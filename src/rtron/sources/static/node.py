@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.param_tag import converted
 from rtron.vocabulary import Evidence, LaunchNode, Parameter, Parameters
-from rtron.vocabulary.launch import resolve_name
+from rtron.vocabulary.launch import canonical_name, resolve_name
 
 _ASSIGNED = ":="
 
@@ -37,18 +37,30 @@ class AppNode:
 def launched_node(
     node: LaunchNode, file: str, parameters: Parameters, environ: Mapping[str, str]
 ) -> AppNode:
-    """Return a launch file's node; remaps of its command line come before those of its element."""
+    """Return a launch file's node; remaps of its command line come before those of its element.
+
+    `__ns:=` among its arguments counts; `__name:=` does not: roslaunch appends its own.
+    """
     words = split_words(node.args)
-    given = [(remap.declared, remap.target) for remap in node.remaps]
+    name = _named(node.name, words)
+    given = [
+        (resolve_name(r.written, name), resolve_name(r.written_target, name)) for r in node.remaps
+    ]
     site = NodeSite(
-        name=node.name,
+        name=name,
         args=words,
-        parameters=with_private(parameters, words, node.name, file),
-        remaps=(*argument_remaps(words, node.name), *given),
+        parameters=with_private(parameters, words, name, file),
+        remaps=(*argument_remaps(words, name), *given),
         environ=tuple({**environ, **dict(node.environ)}.items()),
     )
     evidence = Evidence(file=file, line=node.line)
     return AppNode(site=site, package=node.package, type=node.type, evidence=evidence)
+
+
+def _named(name: str, words: Iterable[str]) -> str:
+    pairs = dict(word.split(_ASSIGNED, 1) for word in words if _ASSIGNED in word)
+    namespace = pairs.get("__ns")
+    return name if namespace is None else canonical_name(f"/{namespace}/{name.rpartition('/')[2]}")
 
 
 def split_words(args: str) -> tuple[str, ...]:

@@ -48,7 +48,8 @@ def parts_of(node: AppNode, workspace: Workspace, models: Models) -> Iterator[Pa
     model = models.node(node.package, node.type)
     own = Part(node=node, owner=node.name)
     if model is not None and model.role is NodeRole.NODELET:
-        yield from _nodelet_parts(replace(own, model=model), workspace, models)
+        loader = _chosen(own, workspace.executable(node.package, node.type), model)
+        yield from _nodelet_parts(replace(loader, model=model), workspace, models)
         return
     yield _chosen(own, workspace.executable(node.package, node.type), model)
 
@@ -71,9 +72,12 @@ def _nodelet_parts(loader: Part, workspace: Workspace, models: Models) -> Iterat
         case ["load", name, manager, *_]:
             yield loader
             owner = resolve_name(manager, node.name)
-            yield _nodelet(replace(loader, owner=owner, model=None), name, workspace, models)
+            nodelet = Part(node=node, owner=owner)
+            yield _nodelet(nodelet, name, workspace, models)
         case ["standalone", name, *_]:
-            yield _nodelet(replace(loader, model=None), name, workspace, models)
+            if loader.task is not None:
+                yield replace(loader, model=None)
+            yield _nodelet(Part(node=node, owner=node.name), name, workspace, models)
         case _:
             yield loader
 

@@ -44,7 +44,12 @@ class Simulation:
         plugins = [p for server in servers[:1] for p in self._plugins(server, parts)]
         yield from plugins
         for spawner in (part for part in parts if _role(part) is NodeRole.CONTROLLER_SPAWNER):
-            host = _host(spawner.node, (*parts, *plugins)) or next(iter(servers), spawner)
+            host = _host(spawner.node, (*parts, *plugins)) or next(iter(servers), None)
+            if host is None:
+                what = f"controllers that {spawner.node.name} spawns"
+                why = "no node is known to host their controller manager"
+                self._notes.add(what, why, spawner.node.evidence)
+                continue
             site = with_controller_files(spawner.node.site)
             interface = controllers(site, site.parameters, models=self.models)
             yield replace(host, node=host.node, model=None, task=None, interface=interface)

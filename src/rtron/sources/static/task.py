@@ -5,7 +5,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtron.sources.code.interpreter.files import Files, Plugin
-from rtron.sources.code.ir import Unit
+from rtron.sources.code.ir import Language, Unit
 from rtron.sources.code.program import run_cpp, run_nodelet, run_python
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.code.shell import read_shell
@@ -75,10 +75,10 @@ class WatchedFiles:
     files: Files
     read: dict[Path, None] = field(default_factory=dict)
 
-    def unit(self, path: Path) -> Unit:
+    def unit(self, path: Path, language: Language) -> Unit:
         """Return a file, lowered."""
         self.read[path] = None
-        return self.files.unit(path)
+        return self.files.unit(path, language)
 
     def header(self, include: str, includer: Path) -> Path | None:
         """Return the file that `#include` means."""

@@ -28,6 +28,17 @@ class _TimeUpError(BaseException):
     """Raised in the middle of whatever runs too long; nothing but the worker catches it."""
 
 
+@contextmanager
+def deep_recursion() -> Iterator[None]:
+    """Let this process recurse as deep as a worker does, for a while."""
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(RECURSION_LIMIT)
+    try:
+        yield
+    finally:
+        sys.setrecursionlimit(before)
+
+
 def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> None:
     """Make this process ready to work on a workspace."""
     sys.setrecursionlimit(RECURSION_LIMIT)

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from rtron.sources.code.ir import Unit
+from rtron.sources.code.ir import Language, Unit
 
 
 class Plugin(NamedTuple):
@@ -16,7 +16,7 @@ class Plugin(NamedTuple):
 class Files(Protocol):
     """The source around a program."""
 
-    def unit(self, path: Path) -> Unit:
+    def unit(self, path: Path, language: Language) -> Unit:
         """Return a file, lowered."""
         ...
 

@@ -16,12 +16,14 @@ from rtron.sources.code.interpreter.overloads import choose
 from rtron.sources.code.interpreter.recorder import Recorder
 from rtron.sources.code.interpreter.trail import Trail
 from rtron.sources.code.interpreter.values import (
+    OPEN,
     ClassValue,
     FunctionValue,
     Hole,
     Instance,
     Known,
     ListValue,
+    MapValue,
     Value,
     join,
 )
@@ -45,11 +47,20 @@ class StepsExceededError(Exception):
 
 
 class ThrownError(Exception):
-    """An exception of the scanned program that is certain, by its class's name."""
+    """An exception of the scanned program that is certain: its class's name, and its bases'.
 
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
-        self.name = name
+    `open` says that not all of the bases are known.
+    """
+
+    def __init__(self, *names: str, open: bool = False) -> None:
+        super().__init__(names[0])
+        self.names = names
+        self.open = open
+
+    @property
+    def name(self) -> str:
+        """The name of its class."""
+        return self.names[0]
 
 
 @dataclass(eq=False, slots=True)
@@ -69,7 +80,7 @@ class Machine:
     parameters: dict[str, Value] = field(default_factory=dict)
     joining: dict[tuple[str, int, str], bool] = field(default_factory=dict)
     ran: set[tuple[str, int, str]] = field(default_factory=set)
-    catching: int = 0
+    catching: list[tuple[str, ...]] = field(default_factory=list)
     discovering: int = 0
     matters: Callable[["Machine", Function], bool] = lambda machine, function: True
     _steps: int = 0
@@ -137,8 +148,14 @@ class Machine:
 
     def seen(self, name: str, value: Value) -> Value:
         """Return what a member or global holds; one that callbacks change may hold anything."""
-        if name in self.volatile and isinstance(value, Known):
+        if name not in self.volatile:
+            return value
+        if isinstance(value, Known):
             return join((value, Hole(name)))
+        if isinstance(value, ListValue) and not value.open:
+            self.trail.open(value.fields)
+        elif isinstance(value, MapValue) and not value.open:
+            self.trail.set(value.fields, OPEN, Hole(name))
         return value
 
     def escape(self, value: Value | None) -> None:

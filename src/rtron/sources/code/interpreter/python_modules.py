@@ -8,7 +8,7 @@ from rtron.sources.code.interpreter.files import Files
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import Foreign, Known, ModuleValue, Native, Value
-from rtron.sources.code.ir import Assign, Class, Function, Import, Lambda, Unit
+from rtron.sources.code.ir import Assign, Class, Function, Import, Lambda, Language, Unit
 from rtron.sources.code.natives.messages import is_message_package, message_type
 
 
@@ -25,7 +25,7 @@ class PythonModules:
 
     def run(self, path: Path, name: str) -> ModuleValue:
         """Run a file's top level as the module `name`."""
-        unit = self.files.unit(path)
+        unit = self.files.unit(path, Language.PYTHON)
         module = ModuleValue(name, file=unit.file)
         self._modules[path] = module
         frame = Frame(file=unit.file, variables=module.fields)

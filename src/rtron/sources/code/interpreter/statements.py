@@ -1,5 +1,6 @@
 """What each kind of statement does."""
 
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -7,7 +8,7 @@ from rtron.sources.code.interpreter import iteration
 from rtron.sources.code.interpreter.assignment import assign, remove
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.machine import Machine, Outcome, ThrownError
-from rtron.sources.code.interpreter.values import NONE, truth
+from rtron.sources.code.interpreter.values import NONE, ClassValue, Instance, Value, truth
 from rtron.sources.code.ir import (
     Assign,
     Break,
@@ -85,52 +86,73 @@ def _yield(machine: Machine, node: Yield, frame: Frame) -> Outcome:
 
 
 def _raise(machine: Machine, node: Raise, frame: Frame) -> Outcome:
-    if node.value is not None:
-        machine.evaluate(node.value, frame)
-    if not machine.catching:
+    """Leave for whoever catches it; where nobody seen does, only this function ends."""
+    value = machine.evaluate(node.value, frame) if node.value is not None else None
+    thrown = _thrown(machine, node.value, value)
+    if not any(_catches(names, thrown) for names in machine.catching):
         return "raise"
-    raise ThrownError(_thrown(node.value))
+    raise thrown
 
 
-def _thrown(value: Expr | None) -> str:
-    """Return the plain name of the exception that is raised."""
-    if isinstance(value, (Call, New)):
-        return _thrown(value.function) if isinstance(value, Call) else str(value.type)
-    return getattr(value, "name", None) or getattr(value, "id", None) or "an exception"
+def _thrown(machine: Machine, node: Expr | None, value: Value | None) -> ThrownError:
+    owner = value.type if isinstance(value, Instance) else value
+    if not isinstance(owner, ClassValue):
+        return ThrownError(_written(node), open=True)
+    lineage = list(machine.world.lineage(owner))
+    names = [cls.name.rpartition("::")[2] for cls in lineage if isinstance(cls, ClassValue)]
+    return ThrownError(*names, open=len(names) < len(lineage))
+
+
+def _written(node: Expr | None) -> str:
+    """Return the plain name of the exception as it is written."""
+    if isinstance(node, Call):
+        return _written(node.function)
+    if isinstance(node, New):
+        return node.type.name.rpartition("::")[2]
+    name = getattr(node, "name", None) or getattr(node, "id", None) or "an exception"
+    return str(name).rpartition("::")[2]
 
 
 def _try(machine: Machine, node: Try, frame: Frame) -> Outcome:
     thrown, outcome = _attempt(machine, node, frame)
     if thrown is None and outcome is None:
         outcome = machine.execute(node.orelse, frame)
-    handlers = [body for names, _, body in node.handlers if _catches(names, thrown)]
+    handlers = [b for names, _, b in node.handlers if thrown is None or _catches(names, thrown)]
     if handlers and (thrown is not None or outcome == "raise"):
         outcome = machine.execute(handlers[0], frame)
     elif handlers and thrown is None:
         branch(machine, frame, ((), *handlers))
     ended = machine.execute(node.final, frame)
     if thrown is not None and not handlers:
-        raise ThrownError(thrown)
+        raise thrown
     return ended or outcome
 
 
-def _attempt(machine: Machine, node: Try, frame: Frame) -> tuple[str | None, Outcome]:
-    machine.catching += bool(node.handlers)
+def _attempt(machine: Machine, node: Try, frame: Frame) -> tuple[ThrownError | None, Outcome]:
+    depth = len(machine.catching)
+    machine.catching.extend(names for names, _, _ in node.handlers)
     try:
         return None, machine.execute(node.body, frame)
     except ThrownError as error:
-        return error.name, None
+        return error, None
     finally:
-        machine.catching -= bool(node.handlers)
+        del machine.catching[depth:]
 
 
-def _catches(names: tuple[str, ...], thrown: str | None) -> bool:
+def _catches(names: tuple[str, ...], thrown: ThrownError) -> bool:
     """Tell whether a handler takes an exception; `Exception` does not take SystemExit."""
-    if thrown is None or not names:
-        return True
     wide = {"BaseException", "...", ""}
-    general = wide if thrown == "SystemExit" else {*wide, "Exception", "LookupError"}
-    return any(name in general or name.endswith(thrown) for name in names)
+    if thrown.name != "SystemExit":
+        wide |= (
+            {"Exception", "LookupError", "exception", "runtime_error"}
+            if thrown.open
+            else {
+                "Exception",
+                "exception",
+            }
+        )
+    plain = {re.split(r"::|[.]", name)[-1] for name in names}
+    return not names or bool(plain & {*wide, *thrown.names})
 
 
 def _define(machine: Machine, node: Define, frame: Frame) -> Outcome:

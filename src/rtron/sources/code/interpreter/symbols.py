@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.sources.code.interpreter.files import Files
-from rtron.sources.code.ir import Class, Declare, Function, TypeRef, Unit
+from rtron.sources.code.ir import Class, Declare, Function, Language, TypeRef, Unit
 
 MAX_FILES = 600
 NATIVE_FOLDERS = frozenset(
@@ -52,7 +52,7 @@ class Symbols:
         """Take in a file and the headers it includes, headers first."""
         if path in self.units or len(self.units) >= MAX_FILES:
             return
-        unit = self.files.unit(path)
+        unit = self.files.unit(path, Language.CPP)
         self.units[path] = unit
         for include in unit.includes:
             if include.strip('<>"').partition("/")[0] in NATIVE_FOLDERS:

@@ -287,10 +287,27 @@ def _shape_shifter(machine: Machine, _: Value, arguments: Arguments) -> Value:
     return Instance(ENDPOINT, {"name": remapped(machine, topic)})
 
 
+def _controller_manager(machine: Machine, arguments: Arguments) -> Value:
+    """`ControllerManager(robot, handle)` (ROS wiki: controller_manager)."""
+    base = in_handle(machine, _handle_in(machine, arguments), Known("controller_manager"))
+    for name, type in _MANAGER_SERVICES.items():
+        kind, service = DeclarationKind.SERVICE, endpoints.below(base, name)
+        endpoints.declare(machine, kind, service, f"controller_manager_msgs/{type}", arguments)
+    return Instance(ENDPOINT)
+
+
 def _nodelet_loader(_: Machine, __: Arguments) -> Value:
     return Instance(_NODELET_LOADER)
 
 
+_MANAGER_SERVICES = {
+    "list_controllers": "ListControllers",
+    "list_controller_types": "ListControllerTypes",
+    "load_controller": "LoadController",
+    "unload_controller": "UnloadController",
+    "switch_controller": "SwitchController",
+    "reload_controller_libraries": "ReloadControllerLibraries",
+}
 _TRANSPORT = NativeClass(
     "image_transport::ImageTransport",
     _image_transport,
@@ -372,6 +389,7 @@ _MADE: Mapping[str, Callable[..., Value]] = {
     "actionlib::SimpleActionClient": _action_client,
     "actionlib::ActionClient": _action_client,
     "bond::Bond": _bond,
+    "controller_manager::ControllerManager": _controller_manager,
     "realtime_tools::RealtimePublisher": _realtime_publisher,
     "interactive_markers::InteractiveMarkerServer": _marker_server,
     "ros::AdvertiseOptions": _no_options,

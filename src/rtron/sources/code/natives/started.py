@@ -5,9 +5,11 @@ from collections.abc import Iterator
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.shell import positional
 
 _MIN_WORDS = 2
-_TOOLS = frozenset({"roslaunch", "rosrun"})
+_TOOLS = frozenset({"roslaunch", "rosrun", "rostopic"})
+_JOINING = frozenset({"pub", "echo", "hz", "bw", "delay"})
 _SEPARATORS = frozenset({";", "&", "&&", "|", "||"})
 _WRAPPERS = frozenset(
     [
@@ -46,14 +48,30 @@ def shell_words(command: str) -> list[str]:
 
 def started_by_words(machine: Machine, words: list[str], at: Arguments) -> None:
     """Record what a command line starts; other commands are none of our business."""
-    for tool, rest in _commands(words):
-        if any("{" in word for word in rest[:_MIN_WORDS]) or not rest:
+    for tool, given in _commands(words):
+        rest = [word for word in given if not word.startswith("-")]
+        if tool == "rostopic":
+            _topic_tool(machine, given, at)
+        elif any("{" in word for word in rest[:_MIN_WORDS]) or not rest:
             what = " ".join([tool, *rest[:_MIN_WORDS]])
             machine.recorder.unresolved(what, "the command is not known", at.evidence)
         elif tool == "rosrun" and len(rest) >= _MIN_WORDS:
             machine.recorder.start("/".join(rest[:2]), ("rosrun", *rest[2:]), at.evidence)
         elif tool == "roslaunch":
             machine.recorder.start(*_launch(rest), at.evidence)
+
+
+def _topic_tool(machine: Machine, words: list[str], at: Arguments) -> None:
+    """Record `rostopic VERB TOPIC …`, a node whose name is another at every start."""
+    named = positional(words)[:3]
+    if named and named[0] not in _JOINING and "{" not in named[0]:
+        return
+    if len(named) < _MIN_WORDS or any("{" in word for word in named):
+        what = " ".join(["rostopic", *named])
+        machine.recorder.unresolved(what, "the command is not known", at.evidence)
+        return
+    started = ("rosrun", *words, "__name:=rostopic_*")
+    machine.recorder.start("rostopic/rostopic", started, at.evidence)
 
 
 def _commands(words: list[str]) -> Iterator[tuple[str, list[str]]]:
@@ -66,7 +84,7 @@ def _commands(words: list[str]) -> Iterator[tuple[str, list[str]]]:
             command.pop(0)
         tool = command[0].rpartition("/")[2] if command else ""
         if tool in _TOOLS:
-            yield tool, [word for word in command[1:] if not word.startswith("-")]
+            yield tool, command[1:]
 
 
 def _parts(word: str) -> list[str]:
