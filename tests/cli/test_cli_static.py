@@ -1,4 +1,5 @@
 import json
+import sys
 from types import SimpleNamespace
 
 import pytest
@@ -185,6 +186,13 @@ rospy.Subscriber("~in", String, None)
 rospy.Subscriber("/all", String, None)
 rospy.Publisher(input(), String)
 """
+
+
+def test_drafting_leaves_the_recursion_limit_as_it_was(rtron, folder):
+    (folder / "scripts/talk.py").write_text(SCRIPT)
+    before = sys.getrecursionlimit()
+    assert rtron("model", "draft", folder / "scripts/talk.py").code == 0
+    assert sys.getrecursionlimit() == before
 
 
 def test_a_drafted_model_is_a_model(rtron, folder, tmp_path):

@@ -386,3 +386,27 @@ def test_elements_of_includes_are_bounded(launch, monkeypatch, limit, nodes):
     body = "".join(f'<include file="$(dirname)/sub.launch" ns="{ns}"/>' for ns in "ab")
     tree = launch(body, files={"sub.launch": included(NODE.format("n"))})
     assert (len(tree.nodes()), len(tree.unresolved)) == (nodes, 2 - nodes)
+
+
+def test_files_outside_of_the_roots_are_not_read(tmp_path):
+    secret = tmp_path / "secret.txt"
+    secret.write_text("shadow")
+    inside = tmp_path / "app"
+    inside.mkdir()
+    (inside / "link.txt").symlink_to(secret)
+    launch = inside / "app.launch"
+    launch.write_text(
+        f"""<launch>
+        <param name="a" textfile="{secret}"/>
+        <param name="b" textfile="{inside}/link.txt"/>
+        <param name="c" command="cat {secret}"/>
+        <rosparam file="{secret}" param="d"/>
+        <include file="{secret}"/>
+        </launch>"""
+    )
+    (tree,) = read_launches([(launch, {})], {}, {}, roots=[inside])
+    values = [tree.parameters.get(name).value for name in ("/a", "/b", "/c", "/d")]
+    assert all(isinstance(value, UnknownValue) for value in values)
+    assert "shadow" not in repr(tree)
+    assert len(tree.unresolved) == 5
+    assert all("lies outside" in note.why for note in tree.unresolved)

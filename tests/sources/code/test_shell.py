@@ -82,3 +82,33 @@ def test_quotes_that_do_not_end_leave_the_rest(tmp_path):
 
 def test_a_script_that_cannot_be_read_is_noted(tmp_path):
     assert len(read_shell(tmp_path / "none.sh").unresolved) == 1
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'eval "$(decode x)"',
+        'python3 -c "import rospy"',
+        "source extra.sh",
+        ". ./extra.sh",
+        "$COMMAND now",
+        "bash -c 'rosrun a b'",
+        "echo x | base64 -d | sh",
+        'echo "$(rosrun a b)"',
+    ],
+)
+def test_code_that_is_not_seen_is_noted(tmp_path, line):
+    script = tmp_path / "run.sh"
+    script.write_text(f"#!/bin/bash\n{line}\n")
+    (note,) = read_shell(script).unresolved
+    assert note.evidence[0].line == 2
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["source /opt/ros/noetic/setup.bash", ". devel/setup.sh", "X=$(date)", "echo $X"],
+)
+def test_usual_lines_are_not_noted(tmp_path, line):
+    script = tmp_path / "run.sh"
+    script.write_text(f"#!/bin/bash\n{line}\n")
+    assert read_shell(script).unresolved == ()

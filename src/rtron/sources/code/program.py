@@ -24,15 +24,18 @@ from rtron.sources.code.interpreter.values import (
     Value,
 )
 from rtron.sources.code.interpreter.world import World
+from rtron.sources.code.ir import Problem
 from rtron.sources.code.natives.cpp_ros import CPP_ROS_CLASSES, CPP_ROS_FUNCTIONS
 from rtron.sources.code.natives.cpp_std import CPP_STD_CLASSES, CPP_STD_FUNCTIONS
 from rtron.sources.code.natives.python_builtins import BUILTINS
 from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, command_line, constants
 from rtron.sources.code.natives.python_ros import PYTHON_ROS
 from rtron.sources.code.reachability import changed_at_any_time, joins_nodes, run_pending
-from rtron.sources.code.unreached import note_unreached
+from rtron.sources.code.unreached import JOINS, note_unreached
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence
+
+_PIECE = "cannot be read: "
 
 
 def run_python(script: Path, site: NodeSite, files: Files) -> NodeInterface:
@@ -123,10 +126,16 @@ def _cpp(
     )
     machine = _machine(world, site, volatile)
     world.machine = machine
-    for path, unit in symbols.units.items():
-        for problem in unit.problems if path in sources else ():
-            machine.recorder.problem(path, problem)
+    for source in sources:
+        for problem in symbols.units[source].problems if source in symbols.units else ():
+            if _matters(problem):
+                machine.recorder.problem(source, problem)
     return world, machine
+
+
+def _matters(problem: Problem) -> bool:
+    """Tell whether a problem is of a whole file, or of a piece that may join nodes."""
+    return _PIECE not in problem.why or any(word in problem.why for word in JOINS)
 
 
 def _machine(world: World, site: NodeSite, volatile: frozenset[str]) -> Machine:

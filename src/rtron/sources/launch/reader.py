@@ -46,13 +46,16 @@ def read_launches(
     environ: Mapping[str, str] = os.environ,
     *,
     describe: Describe | None = None,
+    roots: Iterable[Path] | None = None,
 ) -> tuple[LaunchTree, ...]:
     """Return what several runs of roslaunch start, one after the other with one master.
 
     All trees have the parameters as they are in the end: later launches override, delete and
-    clear. Raise InputError as `read_launch` does.
+    clear. With `roots`, files outside of these folders are not read. Raise InputError as
+    `read_launch` does.
     """
-    server, documents, trees = ParameterServer(), Documents(), []
+    allowed = None if roots is None else tuple(root.resolve() for root in roots)
+    server, documents, trees = ParameterServer(), Documents(allowed), []
     for path, args in launches:
         reading = Reading(
             packages={**_TOOLS, **packages},

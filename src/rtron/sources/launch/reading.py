@@ -19,8 +19,13 @@ MAX_BYTES_OF_ALL = 4 * MAX_BYTES
 
 @dataclass(slots=True)
 class Documents:
-    """Files of some launches: launch and YAML files are parsed once, however often named."""
+    """Files of some launches: launch and YAML files are parsed once, however often named.
 
+    With `roots`, only what lies in these folders is read, links followed: a stranger's launch file
+    must not show what else is on this machine.
+    """
+
+    roots: tuple[Path, ...] | None = None
     _launches: dict[str, LaunchDocument] = field(default_factory=dict)
     _yamls: dict[str, YamlText] = field(default_factory=dict)
     _read: int = 0
@@ -28,6 +33,7 @@ class Documents:
     def launch(self, path: str) -> LaunchDocument:
         """Return a parsed launch file; raise InputError."""
         if path not in self._launches:
+            self._check(path)
             self._launches[path] = parse_launch(path)
         return self._launches[path]
 
@@ -48,6 +54,7 @@ class Documents:
     def data(self, path: str) -> bytes:
         """Return a plain file's content; raise InputError if it is none or all are too large."""
         file = Path(path)
+        self._check(path)
         if not file.is_file():
             raise InputError("no such file", path=path, help="check the path")
         data = read_bounded(file, MAX_BYTES)
@@ -56,6 +63,14 @@ class Documents:
             mebibytes = MAX_BYTES_OF_ALL // 2**20
             raise InputError(f"not read: the launch reads {mebibytes} MiB without it", path=path)
         return data
+
+    def _check(self, path: str) -> None:
+        if self.roots is None:
+            return
+        real = Path(path).resolve()
+        if not any(real.is_relative_to(root) for root in self.roots):
+            help = "if it belongs to the app, give its folder too"
+            raise InputError("lies outside of the folders that are read", path=path, help=help)
 
 
 @dataclass(slots=True, kw_only=True)

@@ -58,7 +58,12 @@ def scan_app(
         pool=Pool(workspace, chosen.workers, chosen.seconds),
         progress=chosen.progress,
     )
-    started = StartedLaunches(given=tuple(launches), packages=packages, descriptions=descriptions)
+    started = StartedLaunches(
+        given=tuple(launches),
+        packages=packages,
+        folders=workspace.folders,
+        descriptions=descriptions,
+    )
     with closing(interpreting):
         parts, nodes = _run(started, interpreting)
     return _assembled(started, interpreting, parts, nodes)

@@ -12,6 +12,7 @@ from rtron.sources.static.part import Part, parts_of
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.task import Task, TaskResult
 from rtron.sources.workspace import Workspace
+from rtron.vocabulary import Resolution, Trust, Unresolved
 
 
 @dataclass(slots=True, kw_only=True)
@@ -50,7 +51,11 @@ class Interpreting:
         read = results[id(part.task)].interface if part.task is not None else None
         if part.model is not None:
             modelled = _placed(interface(part.model, part.node.site, models=self.models), part)
-            return replace(part, interface=_with_new(modelled, read) if read else modelled)
+            if read is not None:
+                modelled = _with_new(modelled, read)
+            elif self.workspace.trust(part.node.package) is Trust.OWN:
+                modelled = _without_source(part, modelled)
+            return replace(part, interface=modelled)
         return replace(part, interface=read) if read else part
 
 
@@ -64,13 +69,33 @@ def _placed(modelled: NodeInterface, part: Part) -> NodeInterface:
 def _with_new(modelled: NodeInterface, read: NodeInterface) -> NodeInterface:
     """Return a model's interface and what a changed source says beside it.
 
-    A copy of a well-known package in a workspace may have been given another publisher.
+    A copy of a well-known package in a workspace may have been given another publisher. A name
+    that the source leaves open may be one of the model's: it is noted.
     """
     known = {(declared.kind, declared.name) for declared in modelled.declarations}
-    new = tuple(
-        declared
-        for declared in read.declarations
-        if not declared.implicit
-        and (declared.kind, declared.name) not in known
+    new = [d for d in read.declarations if not d.implicit and (d.kind, d.name) not in known]
+    sure = tuple(d for d in new if d.resolution is not Resolution.SYMBOLIC)
+    notes = tuple(
+        Unresolved(
+            what=f"{declared.kind.value} {declared.name}",
+            why="stands in the source; the model of that name counts",
+            evidence=declared.evidence,
+        )
+        for declared in new
+        if declared.resolution is Resolution.SYMBOLIC
     )
-    return replace(modelled, declarations=(*modelled.declarations, *new), starts=read.starts)
+    return replace(
+        modelled,
+        declarations=(*modelled.declarations, *sure),
+        starts=read.starts,
+        unresolved=(*modelled.unresolved, *notes),
+    )
+
+
+def _without_source(part: Part, modelled: NodeInterface) -> NodeInterface:
+    """Return a model's interface with a note that the app has a program of that name."""
+    node = part.node
+    what = f"node {node.name} ({node.package}/{node.type})"
+    why = "its program's source is not here; the model of that name counts"
+    note = Unresolved(what=what, why=why, evidence=(node.evidence,))
+    return replace(modelled, unresolved=(*modelled.unresolved, note))

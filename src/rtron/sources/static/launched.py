@@ -1,6 +1,6 @@
 """The launch files of an app, read into one parameter server: the given and the started ones."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -24,6 +24,7 @@ class StartedLaunches:
 
     given: tuple[Launch, ...]
     packages: PackageIndex
+    folders: tuple[Path, ...]
     descriptions: RobotDescriptions
     trees: tuple[LaunchTree, ...] = ()
     files: list[StartedFile] = field(default_factory=list)
@@ -69,7 +70,14 @@ class StartedLaunches:
             self.packages,
             self.descriptions.environ,
             describe=self.descriptions.describe,
+            roots=self._roots(),
         )
+
+    def _roots(self) -> Iterator[Path]:
+        """Yield the folders that launch files and their data may lie in."""
+        yield from self.folders
+        yield from self.packages.values()
+        yield from (path.absolute().parent for path, _ in self.given)
 
     def _nodes(self, tree: LaunchTree, started_by: str) -> list[AppNode]:
         environ = self.descriptions.environ

@@ -82,9 +82,20 @@ def _call_unknown(machine: Machine, called: Value, arguments: Arguments) -> Valu
             return dispatch(machine, method, arguments)
     for value in (*arguments.values, *arguments.keywords.values()):
         machine.escape(value)
+    note_handed(machine, called_name(called), arguments)
     if not called_name(called).isupper():
         _may_write(machine, called_name(called).rpartition("::")[2], arguments)
     return Hole(f"{called_name(called)}()")
+
+
+def note_handed(machine: Machine, name: str, arguments: Arguments) -> None:
+    """Note that code which is not here gets what it takes to join nodes."""
+    for value in arguments.values:
+        is_handle = isinstance(value, Instance) and "namespace" in value.fields
+        is_library = isinstance(value, (Foreign, Native)) and value.name.startswith("rospy")
+        if is_handle or is_library:
+            why = "is not in the source, and gets what it takes to join nodes"
+            machine.recorder.unresolved(f"{name}()", why, arguments.evidence)
 
 
 def _may_write(machine: Machine, name: str, arguments: Arguments) -> None:

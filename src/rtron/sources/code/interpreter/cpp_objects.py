@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
+from rtron.sources.code.interpreter.calling import note_handed
 from rtron.sources.code.interpreter.cpp_calls import CppCalls
 from rtron.sources.code.interpreter.cpp_types import template_types
 from rtron.sources.code.interpreter.frame import Frame
@@ -66,6 +67,7 @@ class CppObjects(CppCalls):
             self.machine.escape(value)
         if found is not None:
             return Instance(found, {}, resolved.args)
+        note_handed(self.machine, resolved.name, arguments)
         return Hole(resolved.name, type=resolved)
 
     def instantiate(self, called: Value, arguments: Arguments) -> Value:

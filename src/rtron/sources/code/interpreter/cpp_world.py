@@ -218,7 +218,7 @@ class CppWorld(CppObjects):
 
 
 def _may_alias(node: Declare, value: Value | None) -> bool:
-    """A pointer to an object is the object; one to a string is another name of its variable."""
+    """Tell whether a variable is another name of a place: a reference, a pointer to a string."""
     return value is not None and (node.reference or is_text(value))
 
 

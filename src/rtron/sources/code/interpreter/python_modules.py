@@ -7,7 +7,14 @@ from pathlib import Path
 from rtron.sources.code.interpreter.files import Files
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.machine import Machine
-from rtron.sources.code.interpreter.values import Foreign, Known, ModuleValue, Native, Value
+from rtron.sources.code.interpreter.values import (
+    Foreign,
+    Known,
+    MapValue,
+    ModuleValue,
+    Native,
+    Value,
+)
 from rtron.sources.code.ir import Assign, Class, Function, Import, Lambda, Language, Unit
 from rtron.sources.code.natives.messages import is_message_package, message_type
 
@@ -60,26 +67,39 @@ class PythonModules:
         """Return a name of a module, scanned or of a library."""
         if isinstance(owner, ModuleValue):
             return owner.fields.get(name) or self._submodule(owner, name)
+        if isinstance(owner, Foreign) and name == "__dict__" and self.is_library(owner.name):
+            return MapValue(self._members(f"{owner.name}."))
         if isinstance(owner, Foreign):
             return self._foreign(f"{owner.name}.{name}")
         return self.natives.get(f"{owner.name}.{name}") if isinstance(owner, Native) else None
 
     def _module(self, dotted: str, importer: Path) -> Value:
-        top = dotted.partition(".")[0]
-        if is_message_package(dotted) or any(
-            name.partition(".")[0] == top for name in self.natives
-        ):
-            return Foreign(dotted)
         path = self.files.python_module(dotted, importer)
-        if path is None:
+        if path is None or (self.is_library(dotted) and not self._is_beside(path, dotted)):
             return Foreign(dotted)
         return self._modules.get(path) or self.run(path, dotted)
+
+    def is_library(self, dotted: str) -> bool:
+        """Tell whether a module is one of a library that RTron knows, or has messages."""
+        top = dotted.partition(".")[0]
+        return is_message_package(dotted) or any(n.partition(".")[0] == top for n in self.natives)
+
+    def _is_beside(self, path: Path, dotted: str) -> bool:
+        """Tell whether a module lies in the script's folder, which Python looks into first."""
+        script = next(iter(self._modules), path)
+        parts = len(dotted.split(".")) + (path.name == "__init__.py")
+        return path != script and path.parents[parts - 1] == script.parent
 
     def _submodule(self, owner: ModuleValue, name: str) -> Value | None:
         path = self.files.python_module(f"{owner.name}.{name}", Path(owner.file))
         if path is not None:
             return self._modules.get(path) or self.run(path, f"{owner.name}.{name}")
         return message_type(f"{owner.name}.{name}")
+
+    def _members(self, prefix: str) -> dict[str, Value]:
+        """Return what RTron knows of a library, by its names there."""
+        names = [name for name in self.natives if name.startswith(prefix)]
+        return {name.removeprefix(prefix): self.natives[name] for name in names}
 
     def _foreign(self, dotted: str) -> Value:
         return self.natives.get(dotted) or message_type(dotted) or Foreign(dotted)

@@ -1,5 +1,6 @@
 """Python's classes and objects: members, decorators, bases."""
 
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -24,8 +25,12 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.ir import Class, Function, TypeRef
 from rtron.sources.code.natives.enums import ENUM, member, with_members
+from rtron.vocabulary import Evidence
 
 _MAX_BASES = 32
+_PYTHON_2 = {"BaseHTTPServer", "ConfigParser", "HTMLParser", "Queue", "SocketServer", "UserDict"}
+_WINDOWS = {"PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "Tkinter", "tkinter", "wx"}
+_JOINING_NONE = sys.stdlib_module_names | _PYTHON_2 | _WINDOWS | {"python_qt_binding", "smach"}
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
@@ -94,10 +99,24 @@ class PythonObjects(PythonModules):
             Hole("base") if isinstance(base, TypeRef) else self.machine.evaluate(base, frame)
             for base in definition.bases
         )
+        self._note_bases(definition, bases)
         body = Frame(file=frame.file, closure=frame)
         self.machine.execute(definition.body, body)
         made = ClassValue(definition, tuple(map(_as_class, bases)), body.variables, closure=frame)
         return with_members(made) if ENUM in self.lineage(made) else made
+
+    def _note_bases(self, definition: Class, bases: tuple[Value, ...]) -> None:
+        """Note each base class of a library that is neither here nor known to join no nodes."""
+        place = Evidence(file=definition.file, line=definition.line)
+        found = (option for base in bases for option in options(base))
+        for base in (option for option in found if isinstance(option, Foreign)):
+            if "." in base.name and not self._is_known(base.name):
+                why = f"its base class {base.name} is not in the source: "
+                why += "what that declares is not known"
+                self.machine.recorder.unresolved(f"class {definition.name}", why, place)
+
+    def _is_known(self, dotted: str) -> bool:
+        return self.is_library(dotted) or dotted.partition(".")[0] in _JOINING_NONE
 
     def _decorated(self, decorator: Value, value: Value, frame: Frame) -> Value:
         if isinstance(decorator, Foreign):

@@ -24,6 +24,7 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.ir import Class, Declare, Define, Name, New, TypeRef
 from rtron.sources.code.natives.containers import LIST, PYTHON_MAP, bound
+from rtron.sources.code.natives.python_environment import ENVIRONMENT, Environment
 from rtron.sources.code.natives.strings import PYTHON_TEXT, text_method
 
 
@@ -114,6 +115,8 @@ def _of_value(owner: Value, name: str) -> Value | None:
     """Return a method of a list, a dictionary or a text."""
     if isinstance(owner, ListValue):
         return bound(LIST, owner, name)
+    if isinstance(owner, Environment):
+        return bound(ENVIRONMENT, owner, name)
     if isinstance(owner, MapValue):
         return bound(PYTHON_MAP, owner, name)
     if isinstance(owner, Text) or (isinstance(owner, Known) and isinstance(owner.value, str)):

@@ -126,6 +126,11 @@ def _nothing(_: Machine, __: Value, ___: Arguments) -> Value:
     return NONE
 
 
+def _sort(machine: Machine, _: Value, arguments: Arguments) -> Value:
+    machine.escape(arguments.get(0, "key"))
+    return NONE
+
+
 def _get(_: Machine, owner: MapValue, arguments: Arguments) -> Value:
     key, default = arguments.get(0) or Hole("?"), arguments.get(1) or NONE
     if isinstance(key, Known) and key.value not in owner.entries:
@@ -236,7 +241,8 @@ LIST: Methods = {
     "pop_front": lambda machine, owner, arguments: _pop(
         machine, owner, Arguments(values=(Known(0),), frame=arguments.frame)
     ),
-    **dict.fromkeys(("reserve", "sort", "reverse"), _nothing),
+    **dict.fromkeys(("reserve", "reverse"), _nothing),
+    "sort": _sort,
 }
 PYTHON_MAP: Methods = {
     "get": _get,

@@ -33,6 +33,7 @@ from rtron.sources.code.interpreter.values import (
     truth,
 )
 from rtron.sources.code.ir import Class
+from rtron.sources.code.natives.python_hidden import HIDDEN_BUILTINS, member
 
 MAX_RANGE = 256
 
@@ -110,8 +111,24 @@ def _copy(kind: str, _: Machine, __: object, arguments: Arguments) -> Value:
     return ListValue({"items": items, "open": not certain}, kind)
 
 
-def _sorted(_: Machine, __: object, arguments: Arguments) -> Value:
+def _called_on(
+    machine: Machine, function: Value | None, given: Value, at: Arguments
+) -> list[Value]:
+    """Call a function, if there is one, on each item of what is given."""
+    if function is None or function == NONE:
+        return []
+    items, certain = items_of(given)
+    if not certain:
+        machine.escape(function)
+    return [
+        dispatch(machine, function, Arguments(values=(item,), line=at.line, frame=at.frame))
+        for item in items
+    ]
+
+
+def _sorted(machine: Machine, _: object, arguments: Arguments) -> Value:
     items, certain = items_of(arguments.get(0) or Hole("?"))
+    _called_on(machine, arguments.keywords.get("key"), arguments.get(0) or NONE, arguments)
     if all(isinstance(item, Known) for item in items):
         items = tuple(sorted(items, key=lambda item: str(getattr(item, "value", ""))))
     return ListValue({"items": items, "open": not certain})
@@ -129,18 +146,13 @@ def _dict(_: Machine, __: object, arguments: Arguments) -> Value:
 
 def _map(machine: Machine, _: object, arguments: Arguments) -> Value:
     function, values = arguments.get(0) or Hole("?"), arguments.get(1) or Hole("?")
-    items, certain = items_of(values)
-    found = [
-        dispatch(
-            machine, function, Arguments(values=(item,), line=arguments.line, frame=arguments.frame)
-        )
-        for item in items
-    ]
-    return ListValue({"items": tuple(found), "open": not certain})
+    found = _called_on(machine, function, values, arguments)
+    return ListValue({"items": tuple(found), "open": not items_of(values)[1]})
 
 
-def _filter(_: Machine, __: object, arguments: Arguments) -> Value:
+def _filter(machine: Machine, _: object, arguments: Arguments) -> Value:
     items, _certain = items_of(arguments.get(1) or Hole("?"))
+    _called_on(machine, arguments.get(0), arguments.get(1) or NONE, arguments)
     return ListValue({"items": items, "open": True})
 
 
@@ -162,7 +174,7 @@ def _isinstance(machine: Machine, _: object, arguments: Arguments) -> Value:
 def _getattr(machine: Machine, _: object, arguments: Arguments) -> Value:
     owner, name = arguments.get(0) or Hole("?"), arguments.get(1)
     if not isinstance(name, Known):
-        return Hole("getattr")
+        return member(machine, owner, name or NONE, arguments)
     found = machine.world.attribute(owner, str(name.value), ())
     return found or arguments.get(2) or Hole(str(name.value))
 
@@ -202,10 +214,13 @@ def _sum(_: Machine, __: object, arguments: Arguments) -> Value:
     return total if certain else Hole("sum")
 
 
-def _extreme(pick: Callable[..., object], _: Machine, __: object, arguments: Arguments) -> Value:
+def _extreme(
+    pick: Callable[..., object], machine: Machine, _: object, arguments: Arguments
+) -> Value:
     values = (
         arguments.values if len(arguments.values) > 1 else items_of(arguments.get(0) or NONE)[0]
     )
+    _called_on(machine, arguments.keywords.get("key"), listed(values), arguments)
     known = [value.value for value in values if isinstance(value, Known)]
     if not known or len(known) != len(values):
         return Hole("extreme")
@@ -279,7 +294,7 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "any": partial(_any, wanted=True),
     "all": partial(_any, wanted=False),
     "type": _type,
-    **{name: partial(_hole, name) for name in ("input", "raw_input", "eval", "id", "print")},
+    **{name: partial(_hole, name) for name in ("input", "raw_input", "id", "print")},
 }
 FILE = NativeClass("file")
 BUILTINS: Mapping[str, Value] = {
@@ -289,4 +304,5 @@ BUILTINS: Mapping[str, Value] = {
     "basestring": Native("str", _str),
     **{name: Foreign(name) for name in ("object", "property", "staticmethod", "classmethod")},
     **{name: Native(name, call) for name, call in _CALLS.items()},
+    **HIDDEN_BUILTINS,
 }

@@ -30,6 +30,7 @@ _Choose = Callable[[tuple[Value, ...], int], Iterable[tuple[Value, ...]]]
 
 
 def _default_dict(machine: Machine, _: object, arguments: Arguments) -> Value:
+    machine.escape(arguments.get(0))
     return dispatch(machine, BUILTINS["dict"], arguments.shifted(1))
 
 

@@ -9,12 +9,10 @@ from rtron.sources.code.interpreter.items import items_of, listed
 from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.values import (
     NONE,
-    Foreign,
     Hole,
     Instance,
     Known,
     ListValue,
-    MapValue,
     Native,
     NativeClass,
     Value,
@@ -25,7 +23,9 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.natives.dataclass import DATACLASSES
 from rtron.sources.code.natives.python_arguments import PYTHON_ARGUMENTS, command_line
 from rtron.sources.code.natives.python_collections import PYTHON_COLLECTIONS
+from rtron.sources.code.natives.python_environment import environment, getenv
 from rtron.sources.code.natives.python_files import PYTHON_FILES
+from rtron.sources.code.natives.python_hidden import PYTHON_HIDDEN
 from rtron.sources.code.natives.started import shell_words, started_by_words
 from rtron.sources.code.natives.threads import THREADS
 
@@ -52,14 +52,6 @@ def _slashed(values: tuple[Value, ...]) -> list[Value]:
     return [part for value in values for part in (Known("/"), value)][1:]
 
 
-def _getenv(machine: Machine, _: object, arguments: Arguments) -> Value:
-    name, default = arguments.get(0), arguments.get(1) or NONE
-    environ = dict(machine.recorder.site.environ)
-    if isinstance(name, Known):
-        return Known(environ[str(name.value)]) if name.value in environ else default
-    return Hole("environ")
-
-
 def _myargv(machine: Machine, _: object, arguments: Arguments) -> Value:
     """`myargv(argv)`: the words without the remappings among them."""
     words = arguments.get(0, "argv") or command_line(machine.recorder.site)
@@ -80,11 +72,6 @@ def _package_path(machine: Machine, _: object, arguments: Arguments) -> Value:
         if path is not None:
             return Known(str(path))
     return Hole(f"path of {spelled(name or NONE)}")
-
-
-def _import_module(_: Machine, __: object, arguments: Arguments) -> Value:
-    name = arguments.get(0)
-    return Foreign(str(name.value)) if isinstance(name, Known) else Hole("module")
 
 
 def _rospack(_: Machine, __: object, ___: Arguments) -> Value:
@@ -166,15 +153,13 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
         ("os.path.abspath", "os.path.realpath", "os.path.expanduser"),
         partial(_path, os.path.normpath),
     ),
-    "os.getenv": _getenv,
-    "os.environ.get": _getenv,
+    "os.getenv": getenv,
     "os.system": _run,
     "sys.exit": _exit,
     "os._exit": _exit,
     "os.popen": _run,
     **{f"subprocess.{n}": _run for n in ("Popen", "call", "check_call", "check_output", "run")},
     "rospy.myargv": _myargv,
-    "importlib.import_module": _import_module,
     "rospkg.RosPack": _rospack,
     "rospkg.rospack.RosPack": _rospack,
     "roslib.packages.get_pkg_dir": _package_path,
@@ -191,6 +176,7 @@ PYTHON_LIBRARY: Mapping[str, Value] = {
     **PYTHON_ARGUMENTS,
     **PYTHON_COLLECTIONS,
     **PYTHON_FILES,
+    **PYTHON_HIDDEN,
     **THREADS,
     **{name: Native(name, call) for name, call in _CALLS.items()},
 }
@@ -198,10 +184,9 @@ PYTHON_LIBRARY: Mapping[str, Value] = {
 
 def constants(machine: Machine) -> dict[str, Value]:
     """Return the library's variables that depend on the node: its command line, its environment."""
-    environ = dict(machine.recorder.site.environ)
     return {
         "sys.argv": command_line(machine.recorder.site),
-        "os.environ": MapValue({name: Known(value) for name, value in environ.items()}),
+        "os.environ": environment(machine.recorder.site),
         "os.sep": Known("/"),
         "sys.version_info.major": Known(3),
     }
