@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from evaluation.place import Place
-from rtron.sources.static import ScanOptions, StaticApp, scan_app
+from rtron.sources.static.app import StaticApp, scan_app
+from rtron.sources.static.options import ScanOptions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

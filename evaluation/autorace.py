@@ -7,7 +7,7 @@ from evaluation.app import App
 from evaluation.figure import Figure, Tell
 from evaluation.handmade import HandTruth, read_truth
 from evaluation.place import Place
-from rtron.sources.static import ScanOptions
+from rtron.sources.static.options import ScanOptions
 from rtron.vocabulary import Direction, InteractionGraph
 
 _NAME = "turtlebot3_autorace"

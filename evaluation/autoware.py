@@ -11,7 +11,7 @@ from evaluation import coordination
 from evaluation.app import App
 from evaluation.figure import Figure, Tell
 from evaluation.place import Place
-from rtron.sources.static import ScanOptions
+from rtron.sources.static.options import ScanOptions
 
 AUTOWARE = App(
     name="autoware",

@@ -17,8 +17,9 @@ from evaluation.rosdiscover import AUTOWARE_CALLS_UNKNOWN, AUTOWARE_NODES_TOUCHE
 from rtron.errors import InputError
 from rtron.sources.launch.listing import launch_files
 from rtron.sources.launch.reader import read_launch
-from rtron.sources.static import ScanOptions, scan_app
+from rtron.sources.static.app import scan_app
 from rtron.sources.static.cache import open_cache
+from rtron.sources.static.options import ScanOptions
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.structure import workspace_state
 from rtron.sources.static.task import Task, TaskResult

@@ -18,7 +18,7 @@ from evaluation.place import Place
 from evaluation.rosdiscover import SYSTEMS
 from evaluation.score import Score, score
 from evaluation.subjects import EXPERIMENTERS, SHORT_LIVED
-from rtron.sources.static import ScanOptions
+from rtron.sources.static.options import ScanOptions
 from rtron.vocabulary import InteractionGraph, Resolution
 
 _SCORED = ("publishers", "subscribers", "services")

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,7 +16,9 @@ from rtron.planning.read import parse_plan
 from rtron.planning.yaml_text import read_text
 from rtron.reports.guarded_text import Guarded, NodeRemap, OpenEnd, guarded_text, guarded_to_json
 from rtron.sources.launch.packages import find_packages
-from rtron.sources.static.app import StaticApp, scan_app
+
+if TYPE_CHECKING:
+    from rtron.sources.static.app import StaticApp
 
 
 def instrument(
@@ -55,6 +57,8 @@ def instrument(
     Exit code: 0 all is closed; 1 written, but something cannot be enforced and
     the plan does not accept it; 2 bad input.
     """
+    from rtron.sources.static.app import scan_app  # noqa: PLC0415 - the guard starts without it
+
     text = read_text(plan)
     app = scan_app(packages or (), [(launch, assignments(arguments or ()))], os.environ)
     result = instrumented(
@@ -73,7 +77,7 @@ def instrument(
     return Outcome(shown, OK if guarded.is_closed else FOUND)
 
 
-def _started(app: StaticApp) -> Sequence[Started]:
+def _started(app: "StaticApp") -> Sequence[Started]:
     """Return what nodes start; the trees of it come after the app's own."""
     return [
         Started(tree=tree, by=file.by, evidence=(file.evidence,))

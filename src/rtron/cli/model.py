@@ -11,9 +11,6 @@ from rich.text import Text
 from rtron.cli.options import Output
 from rtron.cli.outcome import STDOUT, Outcome
 from rtron.reports.neutral import neutral
-from rtron.sources.static.draft import draft_model
-from rtron.sources.static.worker import deep_recursion
-from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import Unresolved
 
 model = typer.Typer(name="model", no_args_is_help=True, help="Work on models of known nodes.")
@@ -45,6 +42,10 @@ def draft(
 
     Exit code: 0 drafted, 2 no program.
     """
+    from rtron.sources.static.draft import draft_model  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.static.worker import deep_recursion  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - the guard starts without it
+
     workspace = read_workspace(packages or [_package(source)], {})
     with deep_recursion():
         drafted = draft_model(source, workspace)

@@ -9,9 +9,7 @@ from pathlib import Path
 from rtron.cli.assignments import ASSIGNED, assignments
 from rtron.cli.progress import shown_progress
 from rtron.errors import InputError
-from rtron.sources.static import ScanOptions, find_launch, scan_app
-from rtron.sources.static.cache import user_cache
-from rtron.sources.workspace import read_workspace
+from rtron.sources.static.options import ScanOptions
 from rtron.vocabulary import InteractionGraph
 
 _TAKEN = "ROS_PACKAGE_PATH"
@@ -38,6 +36,8 @@ class StaticSource:
 
     def read(self) -> InteractionGraph:
         """Return the graph, with a progress bar where somebody sees it."""
+        from rtron.sources.static.app import scan_app  # noqa: PLC0415 - the guard starts without it
+
         with shown_progress() as progress:
             options = replace(self.options, progress=progress)
             return scan_app(self.folders, self.launches, self.environ, options).graph
@@ -47,6 +47,10 @@ def static_source(
     folders: Sequence[Path], arguments: Sequence[str], choice: StaticChoice
 ) -> StaticSource:
     """Return the app in source; raise InputError for a launch file that is not there."""
+    from rtron.sources.static.cache import user_cache  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.static.launch_paths import find_launch  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - the guard starts without it
+
     if not choice.launches:
         help = f"rtron scan {shlex.quote(str(folders[0]))} lists the launch files"
         raise InputError("--launch is missing", help=help)

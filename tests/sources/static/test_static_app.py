@@ -3,7 +3,9 @@ import shutil
 import pytest
 
 from rtron.errors import InputError
-from rtron.sources.static import ScanOptions, find_launch, scan_app
+from rtron.sources.static.app import scan_app
+from rtron.sources.static.launch_paths import find_launch
+from rtron.sources.static.options import ScanOptions
 from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import ActionRole, Direction, Resolution, Trust
 

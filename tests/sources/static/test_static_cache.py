@@ -3,8 +3,10 @@ import os
 import pytest
 
 from rtron.sources.declaration import NodeInterface, NodeSite
-from rtron.sources.static import ScanOptions, find_launch, scan_app
+from rtron.sources.static.app import scan_app
 from rtron.sources.static.cache import Cache, open_cache, user_cache
+from rtron.sources.static.launch_paths import find_launch
+from rtron.sources.static.options import ScanOptions
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.structure import workspace_state
 from rtron.sources.static.task import Task, TaskKind, TaskResult, content_hash

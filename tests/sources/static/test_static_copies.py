@@ -2,7 +2,8 @@
 
 from test_static_app import ends
 
-from rtron.sources.static import ScanOptions, scan_app
+from rtron.sources.static.app import scan_app
+from rtron.sources.static.options import ScanOptions
 
 MANIFEST = "<package><name>move_base</name></package>"
 CMAKE = """project(move_base)

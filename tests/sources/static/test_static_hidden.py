@@ -3,7 +3,8 @@
 import pytest
 from test_static_app import ends
 
-from rtron.sources.static import ScanOptions, scan_app
+from rtron.sources.static.app import scan_app
+from rtron.sources.static.options import ScanOptions
 
 MANIFEST = '<?xml version="1.0.0"?>\n<package><name>{}</name></package>'
 TALK = """#!/usr/bin/env python

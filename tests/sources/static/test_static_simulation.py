@@ -1,6 +1,7 @@
 import pytest
 
-from rtron.sources.static import ScanOptions, scan_app
+from rtron.sources.static.app import scan_app
+from rtron.sources.static.options import ScanOptions
 from rtron.vocabulary import Direction
 
 URDF = """<robot name="r"><link name="base"/>
