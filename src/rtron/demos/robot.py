@@ -12,7 +12,7 @@ from rtron.wire.xmlrpc import ros_call
 
 _NAME = "/rtron_demo"
 _CALL_LIMIT = 2.0
-_WAIT_LIMIT = 30.0
+_WAIT_LIMIT = 60.0
 _PAUSE = 0.1
 _NODES = {"/camera", "/detector", "/goal_sender", "/navigator", "/tb3_safe_control", "/driver"}
 

@@ -102,11 +102,11 @@ class CppWorld(CppObjects):
 
     def define(self, node: Define, frame: Frame) -> None:
         """C++ defines nothing while it runs."""
-        raise NotImplementedError(node, frame)
+        raise TypeError(node, frame)
 
     def import_(self, node: Import, frame: Frame) -> None:
         """C++ imports nothing while it runs."""
-        raise NotImplementedError(node, frame)
+        raise TypeError(node, frame)
 
     def _of_instance(self, owner: Instance, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         if name in owner.fields:

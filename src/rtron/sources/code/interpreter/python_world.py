@@ -72,11 +72,11 @@ class PythonWorld(PythonObjects):
 
     def new(self, node: New, frame: Frame) -> Value:
         """Python has no `new`."""
-        raise NotImplementedError(node, frame)
+        raise TypeError(node, frame)
 
     def declare(self, node: Declare, frame: Frame) -> None:
         """Python has no declarations."""
-        raise NotImplementedError(node, frame)
+        raise TypeError(node, frame)
 
     def define(self, node: Define, frame: Frame) -> None:
         """Bind a function or class by its name, under its decorators."""

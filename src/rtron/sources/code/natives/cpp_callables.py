@@ -1,0 +1,122 @@
+"""What C++ calls for others: bind, threads, algorithms, other programs."""
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.calling import dispatch
+from rtron.sources.code.interpreter.iterators import ITERATOR
+from rtron.sources.code.interpreter.machine import Machine, ThrownError
+from rtron.sources.code.interpreter.values import (
+    NONE,
+    FunctionValue,
+    Hole,
+    Instance,
+    Known,
+    NativeClass,
+    Value,
+    options,
+    spelled,
+)
+from rtron.sources.code.ir import TypeRef
+from rtron.sources.code.natives.cpp import cpp
+from rtron.sources.code.natives.started import shell_words, started_by_words
+
+_HIDDEN = "runs or registers what the source does not show"
+
+
+def same(_: Machine, __: object, arguments: Arguments) -> Value:
+    """Return what is given: `std::move(x)`, `std::ref(x)`."""
+    return arguments.get(0) or NONE
+
+
+def bind(_: Machine, __: object, arguments: Arguments) -> Value:
+    """`boost::bind(&C::method, object, _1)`: the method, bound to the object (boost: bind)."""
+    called, given = arguments.get(0), arguments.values[1:]
+    if not isinstance(called, FunctionValue):
+        return Hole("bind")
+    is_method = called.owner is None and "::" in called.function.name and not called.function.static
+    if is_method and given and isinstance(given[0], Instance):
+        return _method(called, given[0], given[1:])
+    if called.owner is not None and given and given[0] is called.owner:
+        given = given[1:]
+    return FunctionValue(
+        called.function,
+        called.closure,
+        called.owner,
+        given,
+        called.cls,
+        called.types,
+        called.overloads,
+    )
+
+
+def _method(called: FunctionValue, owner: Instance, given: tuple[Value, ...]) -> FunctionValue:
+    cls = called.cls or (owner.type if not isinstance(owner.type, NativeClass) else None)
+    return FunctionValue(
+        called.function, called.closure, owner, given, cls, called.types, called.overloads
+    )
+
+
+def make_thread(machine: Machine, arguments: Arguments) -> Value:
+    """Make a thread, which runs what it is given."""
+    bound = bind(machine, None, arguments) if len(arguments.values) > 1 else arguments.get(0)
+    machine.escape(bound)
+    return Instance(_THREAD)
+
+
+def make_function(_: Machine, arguments: Arguments) -> Value:
+    """Make a std::function, which is what it holds."""
+    return arguments.get(0) or Hole("function")
+
+
+def for_each(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`std::for_each(xs.begin(), xs.end(), function)`."""
+    start, function = arguments.get(0), arguments.get(2) or NONE
+    if isinstance(start, Instance) and start.type is ITERATOR and "items" in start.fields:
+        items = start.fields["items"]
+        for item in items.fields.values() if isinstance(items, Instance) else ():
+            given = Arguments(values=(item,), line=arguments.line, frame=arguments.frame)
+            dispatch(machine, function, given)
+    else:
+        machine.escape(function)
+    return NONE
+
+
+def end_program(_: Machine, __: object, ___: Arguments) -> Value:
+    """End the program."""
+    raise ThrownError("SystemExit")
+
+
+def hidden(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """Note a call that runs what the source does not show."""
+    what = " ".join(spelled(value) for value in arguments.values[:1])
+    machine.recorder.unresolved(f"call of {what}", _HIDDEN, arguments.evidence)
+    return Hole("hidden")
+
+
+def system(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """Note what a command line starts: `system("roslaunch …")`."""
+    for option in options(arguments.get(0)):
+        started_by_words(machine, shell_words(spelled(option)), arguments)
+    return Hole("system")
+
+
+def getenv(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """Return an environment variable of the node."""
+    name = arguments.get(0)
+    environ = dict(machine.recorder.site.environ)
+    if isinstance(name, Known):
+        return Known(environ[str(name.value)]) if name.value in environ else NONE
+    return Hole("getenv")
+
+
+def make_pointer(_: Machine, arguments: Arguments) -> Value:
+    """Make a smart pointer, which is what it points at."""
+    return arguments.get(0) or NONE
+
+
+def make_shared(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """Make the object: `std::make_shared<T>(…)`."""
+    type = arguments.types[0] if arguments.types else TypeRef("?")
+    return cpp(machine).make(type, arguments)
+
+
+_THREAD = NativeClass("boost::thread")
