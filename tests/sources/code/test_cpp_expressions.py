@@ -129,6 +129,7 @@ def test_a_lambda_is_a_function_without_a_name():
     assert value.function.params == (Param("x", FOO), Param("y", INT, reference=True))
     assert (value.function.returns, value.function.name) == (INT, "")
     assert value.function.body == (Return(Name("y"), 2),)
+    assert value.copies == ("a",)
 
 
 @pytest.mark.parametrize(

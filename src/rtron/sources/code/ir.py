@@ -167,9 +167,15 @@ class Comprehension:
 
 @dataclass(frozen=True, slots=True)
 class Lambda:
-    """A function without a name: `lambda`, `[&](…) { … }`."""
+    """A function without a name: `lambda`, `[&](…) { … }`.
+
+    C++: `copies` are the names it takes by copy, if they are local where it is made; `captures`
+    the variables it makes itself (`[n = e]`, `[&n = e]`). All others it shares.
+    """
 
     function: "Function"
+    copies: tuple[str, ...] = ()
+    captures: tuple["Declare", ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

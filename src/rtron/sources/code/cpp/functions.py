@@ -2,6 +2,7 @@
 
 from tree_sitter import Node
 
+from rtron.sources.code.cpp.captures import captured
 from rtron.sources.code.cpp.context import Context, line_of
 from rtron.sources.code.cpp.declarators import Declarator, declarator, has_word, kinds_of
 from rtron.sources.code.cpp.dispatch import block, declares, expression, lowers, statement, states
@@ -127,6 +128,7 @@ def _param(context: Context, node: Node) -> Param:
 def _lambda(context: Context, node: Node) -> Lambda:
     signature = node.child_by_field_name("declarator")
     parameters = signature.child_by_field_name("parameters") if signature else None
+    copies, captures = captured(context, node)
     return Lambda(
         Function(
             name="",
@@ -135,5 +137,7 @@ def _lambda(context: Context, node: Node) -> Lambda:
             params=params(context, parameters),
             body=_body(context, node),
             returns=_returned(context, node, signature) if signature else None,
-        )
+        ),
+        copies,
+        captures,
     )

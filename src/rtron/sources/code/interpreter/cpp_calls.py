@@ -58,13 +58,16 @@ class CppCalls(CppTypes):
 
     def _by_value(self, value: Value, param: Param, frame: Frame) -> Value:
         """Return what a parameter without & and * holds: a copy."""
-        if isinstance(value, ListValue):
-            return ListValue(dict(value.fields), value.kind)
-        if isinstance(value, MapValue):
-            return replace(value, fields=dict(value.fields))
         if isinstance(value, Instance) and isinstance(value.type, ClassValue) and param.type:
             return copied(value) if self.class_of(param.type, frame) is value.type else value
-        return value
+        return container_copied(value)
+
+
+def container_copied(value: Value) -> Value:
+    """Return a list or map as a new one with the same items, any other value as it is."""
+    if isinstance(value, ListValue):
+        return ListValue(dict(value.fields), value.kind)
+    return replace(value, fields=dict(value.fields)) if isinstance(value, MapValue) else value
 
 
 def _given(called: FunctionValue, arguments: Arguments) -> Arguments:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
+from rtron.sources.code.interpreter.cpp_calls import container_copied
 from rtron.sources.code.interpreter.cpp_objects import CppObjects
 from rtron.sources.code.interpreter.cpp_types import bound_overloads
 from rtron.sources.code.interpreter.frame import Frame, Place
@@ -28,6 +29,7 @@ from rtron.sources.code.ir import (
     Declare,
     Define,
     Import,
+    Lambda,
     Name,
     TypeRef,
 )
@@ -99,6 +101,18 @@ class CppWorld(CppObjects):
                 return
         frame.aliases.pop(node.name, None)
         self.machine.trail.set(frame.variables, node.name, self.initial(node, frame))
+
+    def around(self, node: Lambda, frame: Frame) -> Frame:
+        """Return the frame around a lambda: what it takes by copy stays as it is now."""
+        if not node.copies and not node.captures:
+            return frame
+        made = replace(frame, variables={}, aliases={}, closure=frame, returns=[], yields=[])
+        for name in node.copies:
+            if self._in_closure(name, frame):
+                made.variables[name] = container_copied(self.lookup(Name(name), frame))
+        for variable in node.captures:
+            self.declare(variable, made)
+        return made
 
     def define(self, node: Define, frame: Frame) -> None:
         """C++ defines nothing while it runs."""

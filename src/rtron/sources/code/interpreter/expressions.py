@@ -208,7 +208,7 @@ def _rounds(
 def _lambda(machine: Machine, node: Lambda, frame: Frame) -> Value:
     """Python evaluates default arguments where the function is made, C++ where it is called."""
     if machine.world.by_reference:
-        return FunctionValue(node.function, closure=frame)
+        return FunctionValue(node.function, closure=machine.world.around(node, frame))
     named = defaults(node.function, lambda default: machine.evaluate(default, frame))
     return FunctionValue(node.function, closure=frame, named=named)
 

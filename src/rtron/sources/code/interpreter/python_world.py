@@ -22,7 +22,7 @@ from rtron.sources.code.interpreter.values import (
     Text,
     Value,
 )
-from rtron.sources.code.ir import Class, Declare, Define, Name, New, TypeRef
+from rtron.sources.code.ir import Class, Declare, Define, Lambda, Name, New, TypeRef
 from rtron.sources.code.natives.containers import LIST, PYTHON_MAP, bound
 from rtron.sources.code.natives.python_environment import ENVIRONMENT, Environment
 from rtron.sources.code.natives.strings import PYTHON_TEXT, text_method
@@ -76,6 +76,10 @@ class PythonWorld(PythonObjects):
 
     def declare(self, node: Declare, frame: Frame) -> None:
         """Python has no declarations."""
+        raise TypeError(node, frame)
+
+    def around(self, node: Lambda, frame: Frame) -> Frame:
+        """Python's lambdas share all."""
         raise TypeError(node, frame)
 
     def define(self, node: Define, frame: Frame) -> None:

@@ -7,7 +7,17 @@ from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.files import Files
 from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.values import FunctionValue, Instance, Value
-from rtron.sources.code.ir import Class, Declare, Define, Function, Import, Name, New, TypeRef
+from rtron.sources.code.ir import (
+    Class,
+    Declare,
+    Define,
+    Function,
+    Import,
+    Lambda,
+    Name,
+    New,
+    TypeRef,
+)
 
 
 class World(Protocol):
@@ -37,6 +47,10 @@ class World(Protocol):
 
     def declare(self, node: Declare, frame: Frame) -> None:
         """Make a variable (C++)."""
+        ...
+
+    def around(self, node: Lambda, frame: Frame) -> Frame:
+        """Return the frame that a lambda made in a frame stands in (C++)."""
         ...
 
     def define(self, node: Define, frame: Frame) -> None:
