@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.element import is_slice, slice_of
 from rtron.sources.code.interpreter.frame import Frame, Place
-from rtron.sources.code.interpreter.items import unpacked, unpacked_around
+from rtron.sources.code.interpreter.items import items_of, unpacked, unpacked_around
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     OPEN,
@@ -94,7 +95,7 @@ def _assign_element(machine: Machine, target: Index, value: Value, frame: Frame)
             name = key.value if isinstance(key, Known) else OPEN
             machine.trail.set(owner.fields, name, value)
         elif isinstance(owner, ListValue):
-            _assign_item(machine, owner, key, value)
+            (_assign_slice if is_slice(key) else _assign_item)(machine, owner, key, value)
         elif is_text(owner):
             _assign_letter(machine, target, frame)
 
@@ -117,6 +118,21 @@ def remove(machine: Machine, owner: Value, key: Value) -> None:
         if -len(items) <= key.value < len(items):
             del items[key.value]
             machine.trail.set(owner.fields, "items", tuple(items))
+    elif isinstance(owner, ListValue) and is_slice(key):
+        _assign_slice(machine, owner, key, ListValue())
+
+
+def _assign_slice(machine: Machine, owner: ListValue, key: Value, value: Value) -> None:
+    """`a[i:j] = b`; where the ends or b are not known, the list may hold all of both."""
+    (given, certain), items = items_of(value), list(owner.items)
+    places = slice_of(key) or slice(len(items), None)
+    try:
+        items[places] = given
+    except ValueError:
+        certain = False
+    if slice_of(key) is None or not certain:
+        machine.trail.open(owner.fields)
+    machine.trail.set(owner.fields, "items", tuple(items))
 
 
 def _assign_item(machine: Machine, owner: ListValue, key: Value, value: Value) -> None:

@@ -23,7 +23,7 @@ SLICE = NativeClass("slice")
 
 def element(owner: Value, key: Value) -> Value:
     """Return an element or slice, or a hole that is called after the owner and the key."""
-    if isinstance(key, Instance) and key.type is SLICE:
+    if is_slice(key):
         return _sliced(owner, key)
     if isinstance(owner, MapValue):
         return _entry(owner, key)
@@ -45,18 +45,36 @@ def _unknown(owner: Value, key: Value) -> Hole:
     return Hole(f"{why}/{shown}" if below and why else f"{why}[{shown}]", is_tainted(owner))
 
 
-def _sliced(owner: Value, key: Instance) -> Value:
+def is_slice(key: Value) -> bool:
+    """Tell whether a key is `i:j:k`."""
+    return isinstance(key, Instance) and key.type is SLICE
+
+
+def slice_of(key: Value) -> slice | None:
+    """Return the slice that a key is; None if it is none, or its ends are not known."""
+    if not isinstance(key, Instance) or key.type is not SLICE:
+        return None
     ends = [key.fields[name] for name in ("start", "stop", "step")]
     numbers = [end.value for end in ends if isinstance(end, Known)]
-    if len(numbers) != len(ends) or numbers[2] == 0:
-        return Hole("slice", is_tainted(owner))
-    if any(not isinstance(number, (int, type(None))) for number in numbers):
+    known = len(numbers) == len(ends) and numbers[2] != 0
+    if not known or any(not isinstance(number, (int, type(None))) for number in numbers):
+        return None
+    return slice(*numbers)
+
+
+def _sliced(owner: Value, key: Value) -> Value:
+    places = slice_of(key)
+    if places is None:
         return Hole("slice", is_tainted(owner))
     if isinstance(owner, ListValue):
-        return ListValue({"items": owner.items[slice(*numbers)], "open": owner.open}, owner.kind)
+        return ListValue({"items": owner.items[places], "open": owner.open}, owner.kind)
     if isinstance(owner, Known) and isinstance(owner.value, (str, bytes)):
-        return Known(owner.value[slice(*numbers)], owner.tainted)
-    return _cut(owner, *numbers) if isinstance(owner, Text) else Hole("slice", is_tainted(owner))
+        return Known(owner.value[places], owner.tainted)
+    return (
+        _cut(owner, places.start, places.stop, places.step)
+        if isinstance(owner, Text)
+        else Hole("slice", is_tainted(owner))
+    )
 
 
 def _cut(owner: Text, start: int | None, stop: int | None, step: int | None) -> Value:

@@ -203,7 +203,7 @@ def _one(after: str, values: list[Value], mapping: Mapping[Any, Value]) -> tuple
 
 
 def _shown(spec: str, value: Value) -> Value:
-    if isinstance(value, Known) and spec not in {"s", "r"} and len(spec) < 8:  # noqa: PLR2004
+    if isinstance(value, Known) and spec != "s" and len(spec) < 8:  # noqa: PLR2004
         try:
             shown = ("%" + spec.replace("l", "")) % value.value
             return Known(_bounded(shown), value.tainted)

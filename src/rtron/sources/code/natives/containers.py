@@ -21,6 +21,7 @@ from rtron.sources.code.interpreter.values import (
     Value,
     join,
 )
+from rtron.sources.code.natives.ordering import in_order
 
 MAX_ITEMS = 1024
 Methods = Mapping[str, Callable[..., Value]]
@@ -34,6 +35,10 @@ def _write(machine: Machine, owner: ListValue, items: tuple[Value, ...]) -> Valu
 def _append(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
     item = arguments.get(0) or NONE
     return _write(machine, owner, (*owner.items, item))
+
+
+def _append_left(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+    return _write(machine, owner, (arguments.get(0) or NONE, *owner.items))
 
 
 def _push(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
@@ -58,6 +63,10 @@ def _extend(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
 
 
 def _insert(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+    place = arguments.get(0)
+    if arguments.get(1) and isinstance(place, Known) and isinstance(place.value, int):
+        before, after = owner.items[: place.value], owner.items[place.value :]
+        return _write(machine, owner, (*before, arguments.get(1) or NONE, *after))
     return _write(machine, owner, (*owner.items, arguments.get(1) or arguments.get(0) or NONE))
 
 
@@ -126,9 +135,15 @@ def _nothing(_: Machine, __: Value, ___: Arguments) -> Value:
     return NONE
 
 
-def _sort(machine: Machine, _: Value, arguments: Arguments) -> Value:
-    machine.escape(arguments.get(0, "key"))
-    return NONE
+def _sort(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+    machine.escape(arguments.get(0))
+    if owner.open:
+        machine.escape(arguments.keywords.get("key"))
+    return _write(machine, owner, in_order(machine, owner.items, arguments))
+
+
+def _reverse(machine: Machine, owner: ListValue, _: Arguments) -> Value:
+    return _write(machine, owner, owner.items[::-1])
 
 
 def _get(_: Machine, owner: MapValue, arguments: Arguments) -> Value:
@@ -219,11 +234,12 @@ _END = Known("end()")
 LIST: Methods = {
     "append": _append,
     "add": _append,
-    "appendleft": _append,
+    "appendleft": _append_left,
     "push_back": _push,
     "emplace_back": _push,
     "push": _push,
     "extend": _extend,
+    "update": _extend,
     "insert": _insert,
     "pop": _pop,
     "clear": _clear,
@@ -241,7 +257,8 @@ LIST: Methods = {
     "pop_front": lambda machine, owner, arguments: _pop(
         machine, owner, Arguments(values=(Known(0),), frame=arguments.frame)
     ),
-    **dict.fromkeys(("reserve", "reverse"), _nothing),
+    "reserve": _nothing,
+    "reverse": _reverse,
     "sort": _sort,
 }
 PYTHON_MAP: Methods = {

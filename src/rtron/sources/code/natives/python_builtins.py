@@ -33,6 +33,7 @@ from rtron.sources.code.interpreter.values import (
     truth,
 )
 from rtron.sources.code.ir import Class
+from rtron.sources.code.natives.ordering import in_order
 from rtron.sources.code.natives.python_hidden import HIDDEN_BUILTINS, member
 
 MAX_RANGE = 256
@@ -128,10 +129,9 @@ def _called_on(
 
 def _sorted(machine: Machine, _: object, arguments: Arguments) -> Value:
     items, certain = items_of(arguments.get(0) or Hole("?"))
-    _called_on(machine, arguments.keywords.get("key"), arguments.get(0) or NONE, arguments)
-    if all(isinstance(item, Known) for item in items):
-        items = tuple(sorted(items, key=lambda item: str(getattr(item, "value", ""))))
-    return ListValue({"items": items, "open": not certain})
+    if not certain:
+        machine.escape(arguments.keywords.get("key"))
+    return ListValue({"items": in_order(machine, items, arguments), "open": not certain})
 
 
 def _dict(_: Machine, __: object, arguments: Arguments) -> Value:

@@ -110,6 +110,18 @@ def _split(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
     return listed([Known(piece, owner.tainted) for piece in pieces])
 
 
+def _lines(_: Machine, owner: Value, __: Arguments) -> Value:
+    if not isinstance(owner, Known):
+        return Hole("splitlines", is_tainted(owner))
+    return listed([Known(line, owner.tainted) for line in str(owner.value).splitlines()])
+
+
+def _recoded(_: Machine, owner: Value, arguments: Arguments) -> Value:
+    """Text and bytes are one here; what `errors` leaves out is not known."""
+    plain = isinstance(owner, Known) and str(owner.value).isascii()
+    return owner if plain or not arguments.get(1, "errors") else Hole("encode", is_tainted(owner))
+
+
 def _partition(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
     separator = arguments.get(0)
     if isinstance(owner, Known) and isinstance(separator, Known) and separator.value:
@@ -234,9 +246,9 @@ PYTHON_TEXT: Methods = {
     **{name: partial(_partition, name) for name in ("partition", "rpartition")},
     "join": _join,
     "format": _format,
-    "encode": _same,
-    "decode": _same,
-    "splitlines": lambda machine, owner, arguments: _split("split", machine, owner, arguments),
+    "encode": _recoded,
+    "decode": _recoded,
+    "splitlines": _lines,
 }
 CPP_TEXT: Methods = {
     **dict.fromkeys(("c_str", "data", "str", "toStdString", "toUtf8", "constData"), _same),
