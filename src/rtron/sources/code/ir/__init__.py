@@ -1,0 +1,105 @@
+"""The intermediate representation of a source file: what C++ and Python have in common.
+
+A front end (`python/`, `cpp/`) lowers one file to a `Unit`; the interpreter runs units together.
+Names of C++ stand as they are written (`ns::Class`, template arguments taken out into a TypeRef);
+what a front end does not understand becomes an `Opaque` with the expressions inside it, so that
+calls in it are still seen.
+"""
+
+from rtron.sources.code.ir.expressions import (
+    Attr,
+    Binary,
+    Call,
+    Comprehension,
+    Concat,
+    Conditional,
+    Const,
+    Expr,
+    Index,
+    Lambda,
+    Logic,
+    Mapping,
+    Name,
+    New,
+    Opaque,
+    Sequence,
+    Star,
+    Unary,
+)
+from rtron.sources.code.ir.functions import (
+    Class,
+    Function,
+    Param,
+)
+from rtron.sources.code.ir.statements import (
+    Assign,
+    Break,
+    Continue,
+    Declare,
+    Define,
+    Delete,
+    Evaluate,
+    ForEach,
+    Global,
+    If,
+    Import,
+    Raise,
+    Return,
+    Stmt,
+    Try,
+    While,
+    Yield,
+)
+from rtron.sources.code.ir.types import (
+    TypeRef,
+)
+from rtron.sources.code.ir.unit import (
+    Language,
+    Problem,
+    Unit,
+)
+
+__all__ = [
+    "Assign",
+    "Attr",
+    "Binary",
+    "Break",
+    "Call",
+    "Class",
+    "Comprehension",
+    "Concat",
+    "Conditional",
+    "Const",
+    "Continue",
+    "Declare",
+    "Define",
+    "Delete",
+    "Evaluate",
+    "Expr",
+    "ForEach",
+    "Function",
+    "Global",
+    "If",
+    "Import",
+    "Index",
+    "Lambda",
+    "Language",
+    "Logic",
+    "Mapping",
+    "Name",
+    "New",
+    "Opaque",
+    "Param",
+    "Problem",
+    "Raise",
+    "Return",
+    "Sequence",
+    "Star",
+    "Stmt",
+    "Try",
+    "TypeRef",
+    "Unary",
+    "Unit",
+    "While",
+    "Yield",
+]

@@ -1,0 +1,189 @@
+"""The expressions of the intermediate representation: what has a value."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from rtron.sources.code.ir.types import TypeRef
+
+if TYPE_CHECKING:
+    from rtron.sources.code.ir.functions import Function
+    from rtron.sources.code.ir.statements import Declare
+
+
+@dataclass(frozen=True, slots=True)
+class Const:
+    """A str, int, float, bool, bytes or None (`nullptr`, `NULL`)."""
+
+    value: str | int | float | bool | bytes | None
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A variable, function, class, module or namespace member; `this` and `self` are names too.
+
+    `types` are the template arguments written behind it: `make_shared<Foo>`.
+    """
+
+    id: str
+    types: tuple[TypeRef, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Attr:
+    """A member: `owner.name`, `owner->name`; `*p` and `&x` are lowered to `p` and `x` themselves.
+
+    A call of a base class's method, `Base::run()` in C++, is the Name `Base::run`.
+    """
+
+    owner: "Expr"
+    name: str
+    types: tuple[TypeRef, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Index:
+    """An element: `owner[key]`; a slice is an Opaque key."""
+
+    owner: "Expr"
+    key: "Expr"
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A call; `keywords` holds Python's named arguments, a name of "**" spreads a mapping.
+
+    A spread positional argument is a Star. `Foo(x)` in C++ is a Call of a Name as well: whether
+    Foo is a class is known to the interpreter only.
+    """
+
+    function: "Expr"
+    args: tuple["Expr", ...] = ()
+    keywords: tuple[tuple[str, "Expr"], ...] = ()
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class New:
+    """C++: a value of a type is made: `new T(args)`, `T{args}`, or by a Declare's initialiser."""
+
+    type: TypeRef
+    args: tuple["Expr", ...] = ()
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    """`left operator right`, the operator spelled as in Python; C++ `<<` stays `<<`.
+
+    Operators: + - * / // % ** @ << >> & | ^ == != < <= > >= is, is not, in, not in.
+    """
+
+    operator: str
+    left: "Expr"
+    right: "Expr"
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Unary:
+    """`not x`, `-x`, `+x`, `~x`."""
+
+    operator: str
+    operand: "Expr"
+
+
+@dataclass(frozen=True, slots=True)
+class Logic:
+    """`and`/`or` (C++ `&&`, `||`) of two or more operands, evaluated until decided."""
+
+    operator: str
+    operands: tuple["Expr", ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Conditional:
+    """`body if test else orelse`, `test ? body : orelse`."""
+
+    test: "Expr"
+    body: "Expr"
+    orelse: "Expr"
+
+
+@dataclass(frozen=True, slots=True)
+class Concat:
+    """The parts of an f-string, each made a string and put together."""
+
+    parts: tuple["Expr", ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """A list, tuple or set that is written out; C++ `{a, b}` without a type is a list."""
+
+    items: tuple["Expr", ...]
+    kind: str = "list"
+
+
+@dataclass(frozen=True, slots=True)
+class Mapping:
+    """A dict that is written out; a key of None spreads the value into it."""
+
+    items: tuple[tuple["Expr | None", "Expr"], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Comprehension:
+    """`[element for target in iterable if test]`; a dict's element is a tuple of key and value."""
+
+    kind: str
+    element: "Expr"
+    loops: tuple[tuple["Expr", "Expr", tuple["Expr", ...]], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Lambda:
+    """A function without a name: `lambda`, `[&](…) { … }`.
+
+    C++: `copies` are the names it takes by copy, if they are local where it is made; `captures`
+    the variables it makes itself (`[n = e]`, `[&n = e]`). All others it shares.
+    """
+
+    function: "Function"
+    copies: tuple[str, ...] = ()
+    captures: tuple["Declare", ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Star:
+    """`*values` in a call or a list."""
+
+    value: "Expr"
+
+
+@dataclass(frozen=True, slots=True)
+class Opaque:
+    """An expression nobody here understands, the expressions within it, and its text, cut short."""
+
+    parts: tuple["Expr", ...] = ()
+    text: str = ""
+
+
+Expr: TypeAlias = (
+    Const
+    | Name
+    | Attr
+    | Index
+    | Call
+    | New
+    | Binary
+    | Unary
+    | Logic
+    | Conditional
+    | Concat
+    | Sequence
+    | Mapping
+    | Comprehension
+    | Lambda
+    | Star
+    | Opaque
+)

@@ -1,0 +1,179 @@
+"""The statements of the intermediate representation: what a body does, in order."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from rtron.sources.code.ir.expressions import Expr
+from rtron.sources.code.ir.types import TypeRef
+
+if TYPE_CHECKING:
+    from rtron.sources.code.ir.functions import Class, Function
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluate:
+    """An expression evaluated for what it does; `x++` is an Assign."""
+
+    value: Expr
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """`targets = value`, each target a Name, Attr, Index, or Sequence that is taken apart.
+
+    `a += b` is lowered to `a = a + b`.
+    """
+
+    targets: tuple[Expr, ...]
+    value: Expr
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Declare:
+    """A C++ variable or data member: local, of a class, or of a namespace.
+
+    `type` is None for `auto`. `value` is None without an initialiser; `T x(a, b)`, `T x{a}` have
+    a New, `T x = e` has e. `reference` marks `T& x = e`, whose writes reach e.
+    """
+
+    name: str
+    type: TypeRef | None
+    value: Expr | None = None
+    reference: bool = False
+    pointer: bool = False
+    static: bool = False
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class If:
+    """`if`; a `switch` is a chain of them, an `elif` stands alone in `orelse`."""
+
+    test: Expr
+    body: tuple["Stmt", ...]
+    orelse: tuple["Stmt", ...] = ()
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class While:
+    """`while`, and C++ `for (;;)` behind its initialiser; `step` runs after each round.
+
+    `first` marks `do … while`, whose body runs before the test.
+    """
+
+    test: Expr
+    body: tuple["Stmt", ...]
+    step: tuple["Stmt", ...] = ()
+    first: bool = False
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class ForEach:
+    """`for target in iterable`, `for (auto& target : iterable)`; a target of C++ is a Name."""
+
+    target: Expr
+    iterable: Expr
+    body: tuple["Stmt", ...]
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Return:
+    """`return value`."""
+
+    value: Expr | None = None
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Yield:
+    """`yield value`; `yield from` spreads (a Star)."""
+
+    value: Expr | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Break:
+    """`break`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Continue:
+    """`continue`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Raise:
+    """`raise`, `throw`."""
+
+    value: Expr | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Try:
+    """`try`; each handler is (names of the exceptions caught, variable or "", body)."""
+
+    body: tuple["Stmt", ...]
+    handlers: tuple[tuple[tuple[str, ...], str, tuple["Stmt", ...]], ...] = ()
+    orelse: tuple["Stmt", ...] = ()
+    final: tuple["Stmt", ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Define:
+    """Python: a function or class is defined here, by its name."""
+
+    what: "Function | Class"
+    decorators: tuple[Expr, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Import:
+    """`import module as alias` (`name` is None), `from module import name as alias`.
+
+    `level` counts the dots; a name of "*" brings all.
+    """
+
+    module: str
+    name: str | None
+    alias: str
+    level: int = 0
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Global:
+    """`global` and `nonlocal` names."""
+
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Delete:
+    """`del targets`, `delete pointer`."""
+
+    targets: tuple[Expr, ...]
+
+
+Stmt: TypeAlias = (
+    Evaluate
+    | Assign
+    | Declare
+    | If
+    | While
+    | ForEach
+    | Return
+    | Yield
+    | Break
+    | Continue
+    | Raise
+    | Try
+    | Define
+    | Import
+    | Global
+    | Delete
+)

@@ -1,0 +1,17 @@
+"""The types of the intermediate representation, as a file writes them."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class TypeRef:
+    """A type as it is written, without const, & and *: `boost::shared_ptr<std_msgs::String>`.
+
+    A template argument that is a value stands as its text in `name`.
+    """
+
+    name: str
+    args: tuple["TypeRef", ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.name}<{', '.join(map(str, self.args))}>" if self.args else self.name
