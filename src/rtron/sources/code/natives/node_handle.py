@@ -4,40 +4,32 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
-from rtron.sources.code.interpreter.items import listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
-    FALSE,
     NONE,
     TRUE,
-    FunctionValue,
     Hole,
     Instance,
     Known,
-    ListValue,
     MapValue,
     NativeClass,
-    Placeholder,
     Value,
-    concat,
-    join,
     options,
     truth,
 )
-from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.natives import endpoints
-from rtron.sources.code.natives.cpp import cpp
-from rtron.sources.code.natives.names import (
-    node_namespace,
-    parameter,
-    remapped,
-    resolve,
-    search,
+from rtron.sources.code.natives.cpp_arguments import callback_message, escape_all, in_handle, typed
+from rtron.sources.code.natives.cpp_parameters import (
+    get_param,
+    has_param,
+    param,
+    search_param,
+    set_param,
 )
+from rtron.sources.code.natives.names import node_namespace, remapped, resolve
 from rtron.sources.declaration import DeclarationKind
 
 _UNKNOWN = Hole("?")
-_NAME_AND_DEFAULT = 2
 
 
 def make_handle(machine: Machine, arguments: Arguments) -> Value:
@@ -71,59 +63,19 @@ def private_handle(machine: Machine) -> Instance:
     return handle(endpoints.own_namespace(machine))
 
 
-def in_handle(machine: Machine, owner: Value, name: Value | None) -> Value:
-    """Return a name resolved in a handle, before remapping."""
-    namespace = owner.fields.get("namespace") if isinstance(owner, Instance) else None
-    return resolve(machine, name if name is not None else _UNKNOWN, namespace)
+def given_handle(arguments: Arguments) -> Instance | None:
+    """Return the first argument that is certainly a node handle."""
+    given = (v for v in arguments.values if isinstance(v, Instance) and "namespace" in v.fields)
+    return next(given, None)
 
 
-def typed(machine: Machine, arguments: Arguments, at: int = 0) -> str:
-    """Return the message of a template argument; empty where there is none."""
-    if len(arguments.types) <= at:
-        return ""
-    return message_of(machine, arguments.types[at], arguments)
-
-
-def message_of(machine: Machine, type: TypeRef | None, arguments: Arguments) -> str:
-    """Return a C++ type as a message type, typedefs and template parameters followed."""
-    if type is None:
-        return ""
-    return cpp(machine).message_in(type, arguments.frame.scope, arguments.frame.types)
-
-
-def callback_message(machine: Machine, arguments: Arguments, first: int) -> str:
-    """Return the message that the first callback among the arguments takes."""
-    for value in arguments.values[first:]:
-        for option in options(value):
-            if isinstance(option, FunctionValue):
-                return _message_taken(machine, option, arguments)
-    return ""
-
-
-def _message_taken(machine: Machine, callback: FunctionValue, arguments: Arguments) -> str:
-    given = callback.given
-    places = [at for at, value in enumerate(given) if isinstance(value, Placeholder)]
-    at = places[0] if places else len(given)
-    for function in callback.overloads or (callback.function,):
-        if at < len(function.params):
-            scope = function.name.rpartition("::")[0]
-            types = {**dict(arguments.frame.types), **cpp(machine).types_of(callback)}
-            return cpp(machine).message_in(function.params[at].type, scope, types)
-    return ""
-
-
-def escape_all(machine: Machine, arguments: Arguments) -> None:
-    """Remember every function among the arguments; a method with its object."""
-    owners = [value for value in arguments.values if isinstance(value, Instance)]
+def handle_among(machine: Machine, arguments: Arguments) -> Instance:
+    """Return the node handle among the arguments, or the node's own."""
     for value in arguments.values:
         for option in options(value):
-            machine.escape(_with_object(machine, option, owners))
-
-
-def _with_object(machine: Machine, value: Value, owners: list[Instance]) -> Value:
-    if isinstance(value, FunctionValue) and value.owner is None and owners:
-        return cpp(machine).owned(value, owners[0])
-    return value
+            if isinstance(option, Instance) and "namespace" in option.fields:
+                return option
+    return handle(Known(node_namespace(machine)))
 
 
 def advertise(machine: Machine, owner: Value, arguments: Arguments) -> Value:
@@ -180,87 +132,6 @@ def _service_type(request: str) -> str:
     return request.removesuffix("::Request").removesuffix("Request")
 
 
-def options_of(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`AdvertiseOptions::create<T>(topic, …)`, `SubscribeOptions::create<T>(topic, …)`."""
-    escape_all(machine, arguments)
-    type = Known(typed(machine, arguments))
-    return Instance(OPTIONS, {"options": arguments.get(0) or _UNKNOWN, "type": type})
-
-
-def param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    """`param("name", variable, default)`, `param<T>("name", default)`."""
-    written = len(arguments.values) > _NAME_AND_DEFAULT
-    default = arguments.get(2 if written else 1) or _UNKNOWN
-    found = _of_cpp(parameter(machine, in_handle(machine, owner, arguments.get(0))))
-    value = or_default(found, default)
-    place = arguments.place(1)
-    if not written:
-        return value
-    if place is not None:
-        machine.trail.set(*place, value)
-    return FALSE if found is None else TRUE
-
-
-def _of_cpp(value: Value | None) -> Value | None:
-    """Return a parameter as C++ holds it: a struct is a map, whose items are pairs."""
-    if isinstance(value, MapValue):
-        inner = {key: _of_cpp(entry) or NONE for key, entry in value.fields.items()}
-        return MapValue(inner, pairs=True)
-    if isinstance(value, ListValue):
-        return listed([_of_cpp(item) or NONE for item in value.items])
-    return value
-
-
-def or_default(found: Value | None, default: Value) -> Value:
-    """Return a parameter's value, the default where it is not set, both where nobody knows."""
-    if found is None:
-        return _as_parameter(default)
-    return join((_as_parameter(default), found)) if isinstance(found, Hole) else found
-
-
-def _as_parameter(value: Value) -> Value:
-    return Known(value.value, tainted=True) if isinstance(value, Known) else value
-
-
-def get_param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    """`getParam("name", variable)`: whether it is set; the variable stays where it is not."""
-    found = _of_cpp(parameter(machine, in_handle(machine, owner, arguments.get(0))))
-    place = arguments.place(1)
-    if found is None:
-        return FALSE
-    if place is not None:
-        before = place.holder.get(place.key)
-        kept = isinstance(found, Hole) and isinstance(before, Known) and bool(before.value)
-        machine.trail.set(*place, _as_parameter(before) if kept and before is not None else found)
-    return Hole("getParam") if isinstance(found, Hole) else TRUE
-
-
-def has_param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    """`hasParam("name")`."""
-    found = parameter(machine, in_handle(machine, owner, arguments.get(0)))
-    return FALSE if found is None else Hole("hasParam") if isinstance(found, Hole) else TRUE
-
-
-def set_param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    """`setParam("name", value)`."""
-    name = in_handle(machine, owner, arguments.get(0))
-    if isinstance(name, Known):
-        machine.trail.set(machine.parameters, str(name.value), arguments.get(1) or _UNKNOWN)
-    return Hole("setParam")
-
-
-def search_param(machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    """`searchParam("name", found)` (ROS wiki: Parameter Server)."""
-    namespace = in_handle(machine, owner, Known(""))
-    found = search(machine, arguments.get(0) or _UNKNOWN, namespace)
-    place = arguments.place(1)
-    if found is None:
-        return FALSE
-    if place is not None:
-        machine.trail.set(*place, found)
-    return Hole("searchParam") if isinstance(found, Hole) else TRUE
-
-
 def _resolve_name(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     name = in_handle(machine, owner, arguments.get(0))
     plain = truth(arguments.get(1) or TRUE) is False
@@ -284,9 +155,7 @@ def _is_set(_: Machine, __: Instance, ___: Arguments) -> Value:
     return Hole("set")
 
 
-Methods = Mapping[str, Callable[..., Value]]
-
-_HANDLE_METHODS: Methods = {
+_HANDLE_METHODS: Mapping[str, Callable[..., Value]] = {
     "advertise": advertise,
     "subscribe": subscribe,
     "advertiseService": partial(_service, DeclarationKind.SERVICE),
@@ -311,80 +180,11 @@ ENDPOINT = NativeClass(
         **dict.fromkeys(("registerCallback", "setCallback", "call"), _callback),
     },
 )
-OPTIONS = NativeClass("ros::AdvertiseOptions")
+_POINTER = NativeClass("pointer", lambda machine, arguments: arguments.get(0) or NONE)
 
-
-def _without_handle(method: Callable[..., Value]) -> Callable[..., Value]:
-    """`ros::param::get` and its kin resolve in the node's own namespace."""
-
-    def called(machine: Machine, _: object, arguments: Arguments) -> Value:
-        return method(machine, handle(Known(node_namespace(machine))), arguments)
-
-    return called
-
-
-def _wait_for_message(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`ros::topic::waitForMessage<T>(topic, handle)`."""
-    owner = next(
-        (v for v in arguments.values if isinstance(v, Instance) and "namespace" in v.fields),
-        handle(Known(node_namespace(machine))),
-    )
-    subscribe(machine, owner, arguments)
-    return Hole("message")
-
-
-def _node_name(machine: Machine, _: object, __: Arguments) -> Value:
-    return Known(machine.recorder.site.name)
-
-
-def _node_namespace(machine: Machine, _: object, __: Arguments) -> Value:
-    return Known(node_namespace(machine))
-
-
-def _resolve(machine: Machine, _: object, arguments: Arguments) -> Value:
-    return remapped(machine, resolve(machine, arguments.get(len(arguments.values) - 1) or _UNKNOWN))
-
-
-def _append(_: Machine, __: object, arguments: Arguments) -> Value:
-    left, right = arguments.get(0) or _UNKNOWN, arguments.get(1) or _UNKNOWN
-    return concat((left, Known("/"), right))
-
-
-def _call_service(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`ros::service::call("name", service)`."""
-    name = resolve(machine, arguments.get(0) or _UNKNOWN)
-    service = arguments.get(1)
-    made = service.type if isinstance(service, Hole) else None
-    type = message_of(machine, made, arguments)
-    endpoints.declare(machine, DeclarationKind.SERVICE_CLIENT, name, type, arguments)
-    return Hole("call")
-
-
-def _init(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`ros::init(argc, argv, name)`, or with remaps in the place of the command line."""
-    if isinstance(arguments.get(0), (MapValue, ListValue)):
-        note_remaps(machine, arguments)
-    return NONE
-
-
-FUNCTIONS: Mapping[str, Callable[..., Value]] = {
-    "ros::param::get": _without_handle(get_param),
-    "ros::param::getCached": _without_handle(get_param),
-    "ros::param::param": _without_handle(param),
-    "ros::param::has": _without_handle(has_param),
-    "ros::param::set": _without_handle(set_param),
-    "ros::param::search": _without_handle(search_param),
-    "ros::topic::waitForMessage": _wait_for_message,
-    "ros::init": _init,
-    "ros::service::call": _call_service,
-    "ros::this_node::getName": _node_name,
-    "ros::this_node::getNamespace": _node_namespace,
-    "ros::names::resolve": _resolve,
-    "ros::names::remap": _resolve,
-    "ros::names::append": _append,
-    "ros::names::clean": lambda machine, owner, arguments: arguments.get(0) or _UNKNOWN,
-    "ros::AdvertiseServiceOptions::create": options_of,
-    "ros::AdvertiseOptions::create": options_of,
-    "ros::SubscribeOptions::create": options_of,
-    "ros::ok": lambda machine, owner, arguments: Hole("ok"),
+HANDLE_CLASSES = {
+    "ros::NodeHandle": NODE_HANDLE,
+    **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _POINTER),
+    **dict.fromkeys(("ros::Publisher", "ros::Subscriber", "ros::ServiceServer"), ENDPOINT),
+    **dict.fromkeys(("ros::ServiceClient", "ros::Timer", "ros::WallTimer"), ENDPOINT),
 }
