@@ -1,6 +1,6 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint bench eval fuzz docs
+.PHONY: help setup demo test lint bench eval fuzz docs lock
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
@@ -38,3 +38,7 @@ eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write buil
 docs: setup ## Write the pages that are made from the code
 	$(PYTHON) scripts/docs_rules.py
 	$(PYTHON) scripts/docs_policies.py
+
+lock: ## Pin and hash every dependency in requirements.lock (needs uv)
+	uv pip compile pyproject.toml --extra dev --universal --python-version 3.10 \
+	  --generate-hashes --custom-compile-command "make lock" --quiet -o requirements.lock
