@@ -4,7 +4,7 @@
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
-CODE := src tests scripts bench evaluation
+CODE := src tests scripts bench evaluation figures
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-6s %s\n", $$1, $$2}' $(MAKEFILE_LIST)

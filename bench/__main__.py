@@ -9,9 +9,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from bench import chain, discovery, hop, load, memory, policies
-from bench.figure import Figure, Part
+from bench.part import Part
 from bench.site import ROOT, Site, site
-from bench.table import number, table, write
+from figures.figure import Figure
+from figures.table import number, table, write
 
 PARTS: dict[str, Part] = {
     "policies": policies.figures,
@@ -35,7 +36,7 @@ def main() -> None:
             found.append(figure)
             console.print(f"{figure.name}: {number(figure.ours)} {figure.unit}")
             write(found, output, keep=bool(chosen))
-    console.print(table(found))
+    console.print(table("Less is better", found))
     console.print(f"written to {output}")
 
 

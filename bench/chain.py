@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 
-from bench.figure import Figure, Say
 from bench.hop import RATE
+from bench.part import Say
 from bench.pubsub import Load, interleave
 from bench.quantiles import median, p99, typical_p99
 from bench.settings import HOP_MESSAGES, RUNS
 from bench.site import Site
 from bench.way import direct, relay, ten
+from figures.figure import Figure
 
 _AT_MOST = 0.25
 _STATISTICS = {"median": median, "p99": p99, "typical_p99": typical_p99}
@@ -23,4 +24,4 @@ def figures(here: Site, say: Say) -> Iterator[Figure]:
         wanted = _AT_MOST if name == "median" else None
         yield Figure(f"chain.added_{name}", ours - none, peer - none, "us", ratio_at_most=wanted)
     lost = [sum(run.lost for run in runs[way.name]) for way in ways[1:]]
-    yield Figure("chain.lost", lost[0], lost[1], "messages", 0)
+    yield Figure("chain.lost", lost[0], lost[1], "messages", at_most=0)

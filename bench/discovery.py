@@ -6,9 +6,10 @@ from dataclasses import replace
 from itertools import count, islice
 from statistics import median
 
-from bench.figure import Figure, Say
+from bench.part import Say
 from bench.settings import ENDPOINTS
 from bench.site import ROOT, Site
+from figures.figure import Figure
 from rtron.risks import discover
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import Endpoint, InteractionGraph

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator
 
-from bench.figure import Figure, Say
+from bench.part import Say
 from bench.pubsub import Load, interleave
 from bench.quantiles import median, p99, typical_p99
 from bench.settings import HOP_MESSAGES, RUNS
 from bench.site import Site
 from bench.way import direct, guard, mux, relay
+from figures.figure import Figure
 
 RATE = 200
 _STATISTICS = {
@@ -27,7 +28,7 @@ def figures(here: Site, say: Say) -> Iterator[Figure]:
         ours = statistic(runs["guard"]) - none
         for peer in ("relay", "mux"):
             added = statistic(runs[peer]) - none
-            yield Figure(f"hop.added_{name}_vs_{peer}", ours, added, "us", at_most)
+            yield Figure(f"hop.added_{name}_vs_{peer}", ours, added, "us", at_most=at_most)
         yield Figure(f"hop.whole_{name}_vs_direct", ours + none, none, "us")
     lost = {name: sum(run.lost for run in found) for name, found in runs.items()}
-    yield Figure("hop.lost", lost["guard"], lost["relay"], "messages", 0)
+    yield Figure("hop.lost", lost["guard"], lost["relay"], "messages", at_most=0)

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 
-from bench.figure import Figure, Say
+from bench.part import Say
 from bench.plans import grcn
 from bench.pubsub import Load, Run, run
 from bench.quantiles import p99
 from bench.settings import LOAD_SECONDS
 from bench.site import Site
 from bench.way import PUBLISHER, Way, guard, relay, relays_beside
+from figures.figure import Figure
 
 FLOWS = 20
 _TWISTS = Load(5000 * LOAD_SECONDS, 5000)
@@ -29,8 +30,8 @@ def _compared(
 ) -> Iterator[Figure]:
     ours, peer = (_run(here, say, name, way, load) for way in ways)
     unit = f"messages of {load.count}"
-    yield Figure(f"load.{name}_lost", ours.lost, peer.lost, unit, 0)
-    yield Figure(f"load.{name}_disordered", ours.disordered, peer.disordered, unit, 0)
+    yield Figure(f"load.{name}_lost", ours.lost, peer.lost, unit, at_most=0)
+    yield Figure(f"load.{name}_disordered", ours.disordered, peer.disordered, unit, at_most=0)
     yield Figure(f"load.{name}_p99", p99([ours]), p99([peer]), "us")
     yield Figure(f"load.{name}_generator_late", ours.late_ms, peer.late_ms, "ms at most")
 
@@ -42,9 +43,9 @@ def _highest(here: Site, say: Say) -> Iterator[Figure]:
     came = _run(here, say, "one topic", way, load)
     passed = sum(sequence % FLOWS == 0 for sequence in came.sequences)
     unit = f"messages of {load.arriving}"
-    yield Figure("load.highest_flow_lost", load.arriving - passed, None, unit, 0)
+    yield Figure("load.highest_flow_lost", load.arriving - passed, None, unit, at_most=0)
     others = len(came.sequences) - passed
-    yield Figure("load.lower_flows_passed", others, None, f"messages of {load.count}", 0)
+    yield Figure("load.lower_flows_passed", others, None, f"messages of {load.count}", at_most=0)
 
 
 def _run(here: Site, say: Say, name: str, way: Way, load: Load) -> Run:

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.figure import Figure, Say
+from bench.part import Say
 from bench.settings import MEMORY_SECONDS, MESSAGES
 from bench.site import Site, complaints, end, python, start
 from bench.way import Way, guard, relay
+from figures.figure import Figure
 
 _COUNTS = {"start": 1, "short": 100_000, "long": MESSAGES}
 """After how many messages memory is looked at; the first of them shows that the guard is there."""
@@ -35,10 +36,10 @@ def figures(here: Site, say: Say) -> Iterator[Figure]:
     for name, mark in ours.items():
         beside = peer[name].size if name in peer else None
         unit = f"MB after {mark.received:,}"
-        yield Figure(f"memory.{name}", mark.size, beside, unit, _AT_MOST_MB)
+        yield Figure(f"memory.{name}", mark.size, beside, unit, at_most=_AT_MOST_MB)
     growth = ours["long"].size - ours["short"].size
-    yield Figure("memory.growth", growth, None, "MB from short to long", _GROWTH_MB)
-    yield Figure("memory.lost", ours["long"].lost, None, "messages", 0)
+    yield Figure("memory.growth", growth, None, "MB from short to long", at_most=_GROWTH_MB)
+    yield Figure("memory.lost", ours["long"].lost, None, "messages", at_most=0)
 
 
 def _marks(here: Site, say: Say, way: Way, names: Sequence[str]) -> dict[str, Mark]:

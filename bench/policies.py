@@ -4,9 +4,10 @@ import time
 from collections.abc import Iterator
 from statistics import median
 
-from bench.figure import Figure, Say
+from bench.part import Say
 from bench.plans import flows
 from bench.site import Site
+from figures.figure import Figure
 from rtron.policies import POLICIES, Policy, build
 from rtron.vocabulary import PolicyName, PolicySettings, StreamKind
 
@@ -23,7 +24,7 @@ def figures(_here: Site, say: Say) -> Iterator[Figure]:
     for name in POLICIES:
         say(str(name))
         cost = median(cost_of(name) for _ in range(_REPEATS))
-        yield Figure(f"policies.{name}", cost, None, "us a verdict", _AT_MOST_US)
+        yield Figure(f"policies.{name}", cost, None, "us a verdict", at_most=_AT_MOST_US)
 
 
 def cost_of(name: PolicyName) -> float:

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
-from bench.figure import Say
+from bench.part import Say
 from bench.site import Site, complaints, end, python, start
 from bench.way import Way
 

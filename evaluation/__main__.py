@@ -9,11 +9,12 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from evaluation import autorace, autoware, calls, launches
-from evaluation.figure import Figure, Part, Tell
+from evaluation.part import Part, Tell
 from evaluation.place import AbsentError, Place, place
 from evaluation.subjects import AUTORALLY, TURTLEBOT
 from evaluation.systems import part
-from evaluation.table import table, write
+from figures.figure import Figure
+from figures.table import table, write
 
 PARTS: dict[str, Part] = {
     "autorally": part(AUTORALLY),
@@ -36,7 +37,7 @@ def main() -> None:
         for figure in _evaluated(place(), args.parts or list(PARTS), tell):
             found.append(figure)
             write(found, args.output, keep=bool(args.parts))
-    console.print(table(found))
+    console.print(table("RTron beside its peers", found))
     console.print(f"written to {args.output}")
 
 

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 from evaluation import coordination
 from evaluation.app import App
-from evaluation.figure import Figure, Tell
 from evaluation.handmade import HandTruth, read_truth
+from evaluation.part import Tell
 from evaluation.place import Place
+from figures.figure import Figure
 from rtron.sources.static.options import ScanOptions
 from rtron.vocabulary import Direction, InteractionGraph
 
@@ -79,9 +80,11 @@ def _scored(name: str, truth: HandTruth, graph: InteractionGraph, tell: Tell) ->
         ]
     )
     tell.detail([f"  {line}" for line in whole.faults()])
-    yield Figure(f"{name}.nodes", whole.nodes_found, whole.nodes, "nodes", whole.nodes)
+    yield Figure(f"{name}.nodes", whole.nodes_found, whole.nodes, "nodes", at_least=whole.nodes)
     yield Figure(f"{name}.precision", whole.precision, None, "share")
     yield Figure(f"{name}.recall", whole.recall, None, "share")
-    yield Figure(f"{name}.own_published", published[0], None, "publishers", published[1])
-    yield Figure(f"{name}.own_subscribed", subscribed[0], None, "subscribers", subscribed[1])
+    yield Figure(f"{name}.own_published", published[0], None, "publishers", at_least=published[1])
+    yield Figure(
+        f"{name}.own_subscribed", subscribed[0], None, "subscribers", at_least=subscribed[1]
+    )
     yield Figure(f"{name}.dead", dead, None, "dead entries", at_most=0)

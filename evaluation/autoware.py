@@ -9,8 +9,9 @@ from collections.abc import Iterator
 
 from evaluation import coordination
 from evaluation.app import App
-from evaluation.figure import Figure, Tell
+from evaluation.part import Tell
 from evaluation.place import Place
+from figures.figure import Figure
 from rtron.sources.static.options import ScanOptions
 
 AUTOWARE = App(

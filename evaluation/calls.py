@@ -9,11 +9,12 @@ from pathlib import Path
 
 from evaluation.call_count import CallCount, count_calls, is_explained
 from evaluation.call_sites import call_sites, unreached
-from evaluation.figure import Figure, Tell
 from evaluation.launches import GUESS, guessed_environ
+from evaluation.part import Tell
 from evaluation.place import Place
 from evaluation.programs import programs
 from evaluation.rosdiscover import AUTOWARE_CALLS_UNKNOWN, AUTOWARE_NODES_TOUCHED
+from figures.figure import Figure
 from rtron.errors import InputError
 from rtron.sources.launch.listing import launch_files
 from rtron.sources.launch.reader import read_launch

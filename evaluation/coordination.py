@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from evaluation.figure import Figure
+from figures.figure import Figure
 from rtron.risks import discover
 from rtron.vocabulary import Domain, InteractionGraph, Risk, RiskKind, RiskReport, Role
 

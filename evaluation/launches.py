@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from evaluation.figure import Figure, Tell
+from evaluation.part import Tell
 from evaluation.place import Place
+from figures.figure import Figure
 from rtron.errors import InputError
 from rtron.sources.launch.listing import ListedLaunch, launch_files
 from rtron.sources.launch.packages import find_packages
@@ -51,7 +52,7 @@ def figures(here: Place, tell: Tell) -> Iterator[Figure]:
     tell.detail([f"  REFUSED {place}: {why}" for place, why in outcome.refused])
     share = 1 - len(outcome.failed) / max(1, outcome.files)
     yield Figure("launches.files", outcome.files, None, "launch files")
-    yield Figure("launches.interpreted", share, None, "share without internal error", 0.99)
+    yield Figure("launches.interpreted", share, None, "share without internal error", at_least=0.99)
     yield Figure("launches.refused", len(outcome.refused), None, "launch files")
     yield Figure("launches.seconds", outcome.seconds, None, "s for all")
 

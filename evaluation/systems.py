@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 from evaluation.app import App
-from evaluation.figure import Figure, Part, Tell
 from evaluation.pairs import (
     KINDS,
     Architecture,
@@ -14,10 +13,12 @@ from evaluation.pairs import (
     read_architecture,
     without_nodes,
 )
+from evaluation.part import Part, Tell
 from evaluation.place import Place
 from evaluation.rosdiscover import SYSTEMS
 from evaluation.score import Score, score
 from evaluation.subjects import EXPERIMENTERS, SHORT_LIVED
+from figures.figure import Figure
 from rtron.sources.static.options import ScanOptions
 from rtron.vocabulary import InteractionGraph, Resolution
 
@@ -113,7 +114,7 @@ def _scored(
     for kind in _SCORED:
         peer, ours = SYSTEMS[name][kind], filtered[kind]
         label = f"{prefix}.{kind}"
-        yield Figure(f"{label}.precision", ours.precision, peer.precision, "share", bound)
-        yield Figure(f"{label}.recall", ours.recall, peer.recall, "share", bound)
+        yield Figure(f"{label}.precision", ours.precision, peer.precision, "share", at_least=bound)
+        yield Figure(f"{label}.recall", ours.recall, peer.recall, "share", at_least=bound)
         recall = raw[kind].recall
-        yield Figure(f"{label}.raw_recall", recall, peer.raw_recall, "share", raw_bound)
+        yield Figure(f"{label}.raw_recall", recall, peer.raw_recall, "share", at_least=raw_bound)

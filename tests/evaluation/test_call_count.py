@@ -1,8 +1,8 @@
 """Calls, counted by their place."""
 
 import pytest
-from evaluation.call_count import count_calls, is_explained
 
+from evaluation.call_count import count_calls, is_explained
 from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface
 from rtron.vocabulary import Evidence
 

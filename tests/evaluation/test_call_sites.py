@@ -1,6 +1,7 @@
 """Places that look like calls."""
 
 import pytest
+
 from evaluation.call_sites import NEAR, call_sites, unreached
 
 

@@ -1,11 +1,14 @@
 """Figures and where the apps lie."""
 
 import json
+from io import StringIO
 
 import pytest
-from evaluation.figure import Figure
+from rich.console import Console
+
 from evaluation.place import AbsentError, place
-from evaluation.table import write
+from figures.figure import Figure
+from figures.table import table, write
 
 
 @pytest.mark.parametrize(
@@ -21,12 +24,30 @@ from evaluation.table import write
     ],
 )
 def test_bounds(ours, at_least, at_most, met):
-    assert Figure("x", ours, None, "share", at_least, at_most).met is met
+    assert Figure("x", ours, None, "share", at_least=at_least, at_most=at_most).met is met
 
 
-@pytest.mark.parametrize(("peer", "ratio"), [(None, None), (0, None), (2, 0.5)])
-def test_the_ratio_needs_a_peer(peer, ratio):
-    assert Figure("x", 1, peer, "share").ratio == ratio
+@pytest.mark.parametrize(
+    ("ours", "peer", "met"), [(3, 2, True), (3.01, 2, False), (3, None, False), (-1, 2, False)]
+)
+def test_a_bound_of_the_ratio(ours, peer, met):
+    assert Figure("x", ours, peer, "us", ratio_at_most=1.5).met is met
+
+
+@pytest.mark.parametrize(
+    ("ours", "peer", "ratio"), [(1, None, None), (1, 0, None), (-1, 2, None), (1, 2, 0.5)]
+)
+def test_the_ratio_needs_a_peer_and_no_noise(ours, peer, ratio):
+    assert Figure("x", ours, peer, "share").ratio == ratio
+
+
+def test_the_table_says_every_bound_and_whether_it_is_kept():
+    figure = Figure("x", 1500, 1000, "us", at_least=1, at_most=2000, ratio_at_most=1.25)
+    console = Console(file=StringIO(), width=100)
+    console.print(table("Less is better", [figure]))
+    said = console.file.getvalue()
+    assert "Less is better" in said
+    assert "1,500 │ 1,000 │   1.5 │ us   │ >= 1 <= 2,000 ratio <= 1.25 missed" in said
 
 
 def test_figures_of_other_parts_are_kept(tmp_path):

@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from evaluation.handmade import read_truth
 
+from evaluation.handmade import read_truth
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node, Resolution, Trust
 
 TRUTH = """

@@ -1,6 +1,7 @@
 """Pairs: what is ignored, and how an action becomes one pair."""
 
 import pytest
+
 from evaluation.pairs import (
     Architecture,
     graph_architecture,
@@ -9,7 +10,6 @@ from evaluation.pairs import (
     without_ignored,
     without_nodes,
 )
-
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node, Resolution, Service
 
 ANSWERS = ("feedback", "result", "status")

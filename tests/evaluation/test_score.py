@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from evaluation.pairs import KINDS, Architecture, read_architecture
 from evaluation.rosdiscover import SYSTEMS
 from evaluation.score import Score, score
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 PAIRS = frozenset({("/a", "/x"), ("/a", "/y"), ("/b", "/x"), ("/b", "/z")})
 TRUTH = Path(os.environ.get("RTRON_DATA", "")) / "groundtruth"

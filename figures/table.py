@@ -6,14 +6,15 @@ from pathlib import Path
 
 from rich.table import Column, Table
 
-from bench.figure import Figure
+from figures.figure import Figure
 
 _MARKS = {True: "[green]met", False: "[red]missed", None: ""}
+_LARGE = 1000
 
 
-def table(figures: Sequence[Figure]) -> Table:
+def table(title: str, figures: Sequence[Figure]) -> Table:
     """Return the table that is printed at the end."""
-    shown = Table(Column("figure", no_wrap=True), title="Less is better")
+    shown = Table(Column("figure", no_wrap=True), title=title)
     for name in ("ours", "peer", "ratio"):
         shown.add_column(name, justify="right")
     shown.add_column("unit")
@@ -28,7 +29,7 @@ def number(value: float | None) -> str:
     """Return a number with three digits that mean something, nothing for None."""
     if value is None:
         return ""
-    return f"{value:,.0f}" if abs(value) >= 1000 or value == int(value) else f"{value:.3g}"
+    return f"{value:,.0f}" if abs(value) >= _LARGE or value == int(value) else f"{value:.3g}"
 
 
 def write(figures: Sequence[Figure], path: Path, *, keep: bool) -> None:
@@ -40,6 +41,10 @@ def write(figures: Sequence[Figure], path: Path, *, keep: bool) -> None:
 
 
 def _wanted(figure: Figure) -> str:
-    limits = [("", figure.at_most), ("ratio ", figure.ratio_at_most)]
-    said = [f"{what}<= {number(most)}" for what, most in limits if most is not None]
+    limits = [
+        (">=", figure.at_least),
+        ("<=", figure.at_most),
+        ("ratio <=", figure.ratio_at_most),
+    ]
+    said = [f"{sign} {number(bound)}" for sign, bound in limits if bound is not None]
     return " ".join((*said, _MARKS[figure.met])).strip()

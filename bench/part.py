@@ -1,0 +1,11 @@
+"""A part of the measurements, and whom it tells what it does."""
+
+from collections.abc import Callable, Iterator
+
+from bench.site import Site
+from figures.figure import Figure
+
+Say = Callable[[str], None]
+"""Tells what is being done."""
+Part = Callable[[Site, Say], Iterator[Figure]]
+"""Measures, and gives each figure as soon as it is known."""

@@ -1,0 +1,1 @@
+"""What `bench` and `evaluation` share: figures, their table and their JSON."""
