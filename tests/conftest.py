@@ -7,6 +7,7 @@ import pytest
 
 sys.path.append(str(Path(__file__).parent / "ros1"))
 from harness import Ros1
+from roslaunch_oracle import RosLoader
 
 
 @pytest.fixture
@@ -14,3 +15,10 @@ def ros1(tmp_path):
     """Run a master of the test's own."""
     with Ros1(tmp_path) as running:
         yield running
+
+
+@pytest.fixture(scope="module")
+def ros():
+    """Run ROS's own loader of launch files."""
+    with RosLoader() as loader:
+        yield loader

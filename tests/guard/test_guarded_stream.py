@@ -22,6 +22,12 @@ def guarded(*streams):
     return transport, host
 
 
+def guarded_map(*flows):
+    """Guard /map, whose last words are kept for late subscribers, with Block."""
+    block = stage(policy=PolicyName.BLOCK, flows=flows, kind=StreamKind.STATE)
+    return guarded(stream(block, topic="/map", type="", flows=flows))
+
+
 def test_what_an_approved_publisher_says_reaches_successors_and_tools():
     transport, _ = guarded(stream())
     driver, tool = transport.listen(OUT), transport.listen("/cmd_vel")
@@ -104,9 +110,9 @@ def test_a_stranger_does_not_set_the_type():
 
 
 def test_latched_state_is_kept_by_publisher_for_late_subscribers():
-    flows = (Flow(name="flow1", publisher="/map_server"), Flow(name="flow2", publisher="/patch"))
-    block = stage(policy=PolicyName.BLOCK, flows=flows, kind=StreamKind.STATE)
-    transport, _ = guarded(stream(block, topic="/map", type="", flows=flows))
+    transport, _ = guarded_map(
+        Flow(name="flow1", publisher="/map_server"), Flow(name="flow2", publisher="/patch")
+    )
     first = transport.publisher("/rtron/map/flow1", peer("/map_server", latching=True))
     second = transport.publisher("/rtron/map/flow2", peer("/patch", latching=True))
     first(b"old map")
@@ -116,9 +122,7 @@ def test_latched_state_is_kept_by_publisher_for_late_subscribers():
 
 
 def test_a_blocked_latched_message_is_not_kept():
-    flows = (Flow(name="flow1", publisher="/map_server", block=True),)
-    block = stage(policy=PolicyName.BLOCK, flows=flows, kind=StreamKind.STATE)
-    transport, _ = guarded(stream(block, topic="/map", type="", flows=flows))
+    transport, _ = guarded_map(Flow(name="flow1", publisher="/map_server", block=True))
     transport.publisher("/rtron/map/flow1", peer("/map_server", latching=True))(b"map")
     assert transport.listen("/rtron/map/out") == []
 
@@ -216,9 +220,9 @@ def test_diagnostics_come_each_second_and_warn_of_strangers():
 
 
 def test_late_subscribers_get_the_latched_words_in_the_order_they_were_said():
-    flows = (Flow(name="flow1", publisher="/a"), Flow(name="flow2", publisher="/b"))
-    block = stage(policy=PolicyName.BLOCK, flows=flows, kind=StreamKind.STATE)
-    transport, host = guarded(stream(block, topic="/map", type="", flows=flows))
+    transport, host = guarded_map(
+        Flow(name="flow1", publisher="/a"), Flow(name="flow2", publisher="/b")
+    )
     first = transport.publisher("/rtron/map/flow1", peer("/a", latching=True))
     second = transport.publisher("/rtron/map/flow2", peer("/b", latching=True))
     first(b"a1")

@@ -22,7 +22,7 @@ from rtron.vocabulary import (
 )
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from guarded_launch import grcn, plan_of
+from plans import grcn, plan_of
 
 NODE = '<node pkg="p" type="t" name="{}"/>'
 T = "/cmd_vel"

@@ -11,7 +11,7 @@ from rtron.sources.launch.packages import find_packages
 from rtron.sources.static.app import scan_app
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from guarded_launch import grcn, plan_of
+from plans import grcn, plan_of
 
 PARTS = (
     "ROBOTIS-GIT/turtlebot3_autorace@391144a",

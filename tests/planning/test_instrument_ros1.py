@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 
 from rtron.planning.instrument import instrument, write_instrumented
-from rtron.sources.launch.packages import find_packages
 from rtron.sources.launch.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
 sys.path.append(str(Path(__file__).parents[1] / "sources"))
-from guarded_launch import assert_guarded, grcn, plan_of, split_guard
+from guarded_launch import assert_guarded, split_guard
 from launch_cases import CASES, INCLUDES, Case
-from roslaunch_oracle import RosLoader, package, write_files
+from plans import grcn, plan_of
+from roslaunch_oracle import both, write_files
 
 pytestmark = pytest.mark.ros1
 
@@ -87,23 +87,14 @@ EVERYTHING = plan_of(
 )
 
 
-@pytest.fixture(scope="module")
-def ros():
-    with RosLoader() as loader:
-        yield loader
-
-
 def guard_and_load(ros, folder, case, plan):
     """Return ROS's reading of a case and of its guarded launch, and what guarding it gave."""
-    write_files(folder, {"app.launch": f"<launch>{case.body}</launch>", **case.files})
-    write_files(folder, {f"{name}/package.xml": package(name) for name in ("one", "two")})
-    environ = {"WHO": "me", **case.environ, "ROS_PACKAGE_PATH": str(folder)}
-    path, out = folder / "app.launch", folder / "guarded" / "app.launch"
-    tree = read_launch(path, case.args, find_packages([], environ), environ)
-    guarded = instrument(tree, plan, out, plan_text="plan", command=("sleep", "1000"))
+    original, ours = both(ros, folder, case)
+    out = folder / "guarded" / "app.launch"
+    guarded = instrument(read_launch(*ours), plan, out, plan_text="plan", command=("sleep", "1000"))
     write_instrumented(guarded)
-    original = ros.load(path, case.args, environ)
-    return original, ros.load(out, case.args, environ), guarded
+    _, args, _, environ = ours
+    return original, ros.load(out, args, environ), guarded
 
 
 @pytest.mark.parametrize("case", [ROBOT, *CASES, *INCLUDES], ids=lambda case: case.name)

@@ -18,7 +18,7 @@ from rtron.sources.launch.packages import find_packages
 from rtron.sources.launch.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from guarded_launch import grcn, plan_of
+from plans import grcn, plan_of
 from roslaunch_oracle import package, write_files
 
 LIMIT = 30  # seconds

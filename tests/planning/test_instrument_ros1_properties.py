@@ -12,18 +12,13 @@ from rtron.planning.instrument import instrument, write_instrumented
 from rtron.sources.launch.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from guarded_launch import assert_guarded, grcn, plan_of
+from guarded_launch import assert_guarded
 from launch_files import launches
-from roslaunch_oracle import RosLoader, write_files
+from plans import grcn, plan_of
+from roslaunch_oracle import write_files
 
 TOPICS = ("/a", "/g/a", "/b")
 COMMAND = ("sleep", "1000")
-
-
-@pytest.fixture(scope="module")
-def ros():
-    with RosLoader() as loader:
-        yield loader
 
 
 @st.composite

@@ -15,7 +15,7 @@ from rtron.sources.launch.reader import read_launch
 from rtron.vocabulary import Evidence
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from guarded_launch import grcn, plan_of
+from plans import grcn, plan_of
 from roslaunch_oracle import package, write_files
 
 T = "/cmd_vel"

@@ -4,12 +4,12 @@ import shutil
 import subprocess
 
 from harness import HERE, NODES, wait_for
+from plans import grcn, plan_of
 
 from rtron.planning.write import write_plan
-from rtron.vocabulary import GRCN, Domain, Flow, Mode, Plan, PolicyName, Sharing, StreamKind
+from rtron.vocabulary import SECOND, Domain, Flow, PolicyName, StreamKind
 
 TURN_RIGHT = "-0.2"
-SECOND = 1_000_000_000
 CMD_VEL = "/cmd_vel"
 CMD_VEL_GUARD = "/rtron/grcn_cmd_vel"
 MAP_GUARD = "/rtron/grcn_map"
@@ -28,48 +28,25 @@ def compile_driver(folder):
 
 def drive_plan():
     """Return the plan: navigation goes before the rogue, on the way to the driver."""
-    return Plan(
-        app="base",
-        grcn=(
-            GRCN(
-                id=CMD_VEL_GUARD.rpartition("/")[2],
-                topic=CMD_VEL,
-                type="geometry_msgs/Twist",
-                domain=Domain.CONTROL,
-                kind=StreamKind.COMMAND,
-                sharing=Sharing.CONTEND,
-                mode=Mode.ENFORCE,
-                policy=PolicyName.PREEMPTION,
-                flows=(
-                    Flow(name="flow1", publisher="/nav", priority=2),
-                    Flow(name="flow2", publisher="/rogue", priority=1),
-                ),
-                successors=("/driver",),
-                release_after=SECOND,
-            ),
-        ),
+    flows = (
+        Flow(name="flow1", publisher="/nav", priority=2),
+        Flow(name="flow2", publisher="/rogue", priority=1),
     )
+    return plan_of(grcn(CMD_VEL, (), ["/driver"], flows=flows, release_after=SECOND), app="base")
 
 
 def map_plan():
     """Return a plan whose GRCN lets the map server's state through."""
-    return Plan(
-        app="map",
-        grcn=(
-            GRCN(
-                id=MAP_GUARD.rpartition("/")[2],
-                topic="/map",
-                type="nav_msgs/OccupancyGrid",
-                domain=Domain.PLANNING,
-                kind=StreamKind.STATE,
-                sharing=Sharing.CONTEND,
-                mode=Mode.ENFORCE,
-                policy=PolicyName.BLOCK,
-                flows=(Flow(name="flow1", publisher="/map_server"),),
-                successors=("/planner",),
-            ),
-        ),
+    state = grcn(
+        "/map",
+        ["/map_server"],
+        ["/planner"],
+        type="nav_msgs/OccupancyGrid",
+        domain=Domain.PLANNING,
+        kind=StreamKind.STATE,
+        policy=PolicyName.BLOCK,
     )
+    return plan_of(state, app="map")
 
 
 class Driven:

@@ -5,38 +5,9 @@ from itertools import product
 
 from roslaunch_oracle import ANONYMOUS
 
-from rtron.vocabulary import (
-    GRCN,
-    Domain,
-    Flow,
-    Mode,
-    Plan,
-    PolicyName,
-    Sharing,
-    StreamKind,
-)
+from rtron.vocabulary import Mode
 
 GUARD = "/rtron_guard"
-
-
-def grcn(topic, publishers, successors, mode=Mode.ENFORCE):
-    flows = tuple(Flow(name=f"flow{n}", publisher=p) for n, p in enumerate(publishers, 1))
-    return GRCN(
-        id=f"grcn{topic.replace('/', '_')}",
-        topic=topic,
-        type="geometry_msgs/Twist",
-        domain=Domain.CONTROL,
-        kind=StreamKind.COMMAND,
-        sharing=Sharing.CONTEND,
-        mode=mode,
-        policy=PolicyName.PREEMPTION,
-        flows=flows,
-        successors=tuple(successors),
-    )
-
-
-def plan_of(*grcns, **more):
-    return Plan(app="app", grcn=grcns, **more)
 
 
 def split_guard(dump):

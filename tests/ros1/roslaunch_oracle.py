@@ -4,6 +4,8 @@ import json
 import subprocess
 from pathlib import Path
 
+from rtron.sources.launch.packages import find_packages
+
 DUMP = Path(__file__).with_name("roslaunch_dump.py")
 ROS_PYTHON = "/usr/bin/python3"
 ANONYMOUS = "_rtron_anonymous"
@@ -73,6 +75,16 @@ def write_files(folder, files):
 
 def package(name):
     return f"<package><name>{name}</name></package>"
+
+
+def both(ros, folder, case):
+    """Write a case; return what ROS makes of it, and the arguments with which we read it."""
+    write_files(folder, {"app.launch": f"<launch>{case.body}</launch>", **case.files})
+    write_files(folder, {f"{name}/package.xml": package(name) for name in ("one", "two")})
+    environ = {"WHO": "me", **case.environ, "ROS_PACKAGE_PATH": str(folder)}
+    path = folder / "app.launch"
+    ours = (path, case.args, find_packages([], environ), environ)
+    return ros.load(path, case.args, environ), ours
 
 
 def _pattern(text):

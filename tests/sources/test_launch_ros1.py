@@ -8,29 +8,12 @@ import pytest
 from launch_cases import ARGUMENTS, CASES, EXPRESSIONS, INCLUDES, REFUSED, REFUSED_INSIDE, Case
 
 from rtron.errors import InputError
-from rtron.sources.launch.packages import find_packages
 from rtron.sources.launch.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from roslaunch_oracle import RosLoader, package, started, started_by_tree, write_files
+from roslaunch_oracle import both, started, started_by_tree
 
 pytestmark = pytest.mark.ros1
-
-
-@pytest.fixture(scope="module")
-def ros():
-    with RosLoader() as loader:
-        yield loader
-
-
-def both(ros, folder, case):
-    """Return what ROS makes of a case, and the arguments with which we read it."""
-    write_files(folder, {"app.launch": f"<launch>{case.body}</launch>", **case.files})
-    write_files(folder, {f"{name}/package.xml": package(name) for name in ("one", "two")})
-    environ = {"WHO": "me", **case.environ, "ROS_PACKAGE_PATH": str(folder)}
-    path = folder / "app.launch"
-    ours = (path, case.args, find_packages([], environ), environ)
-    return ros.load(path, case.args, environ), ours
 
 
 @pytest.mark.parametrize("case", [*CASES, *INCLUDES], ids=lambda case: case.name)

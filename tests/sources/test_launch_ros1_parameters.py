@@ -12,29 +12,13 @@ from launch_parameter_cases import DOUBTED, PARAMETERS, REFUSED_PARAMETERS, UNRE
 from launch_parameter_files import launches_with_parameters
 
 from rtron.errors import InputError
-from rtron.sources.launch.packages import find_packages
 from rtron.sources.launch.reader import read_launch, read_launches
 from rtron.vocabulary import UnknownValue
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from roslaunch_oracle import RosLoader, package, started, started_by_tree, write_files
+from roslaunch_oracle import both, started, started_by_tree, write_files
 
 pytestmark = pytest.mark.ros1
-
-
-@pytest.fixture(scope="module")
-def ros():
-    with RosLoader() as loader:
-        yield loader
-
-
-def both(ros, folder, case):
-    write_files(folder, {"app.launch": f"<launch>{case.body}</launch>", **case.files})
-    write_files(folder, {f"{name}/package.xml": package(name) for name in ("one", "two")})
-    environ = {"WHO": "me", **case.environ, "ROS_PACKAGE_PATH": str(folder)}
-    path = folder / "app.launch"
-    ours = (path, case.args, find_packages([], environ), environ)
-    return ros.load(path, case.args, environ), ours
 
 
 def leaves(server, prefix=""):

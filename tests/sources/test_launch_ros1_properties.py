@@ -12,17 +12,11 @@ from rtron.sources.launch.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
 from launch_files import BOOLEANS, VALUES, launches
-from roslaunch_oracle import RosLoader, started, started_by_tree, write_files
+from roslaunch_oracle import started, started_by_tree, write_files
 
 ARGS = st.fixed_dictionaries(
     {}, optional={"flag": st.sampled_from(BOOLEANS[:4]), "x": st.sampled_from(VALUES)}
 )
-
-
-@pytest.fixture(scope="module")
-def ros():
-    with RosLoader() as loader:
-        yield loader
 
 
 @pytest.mark.ros1
