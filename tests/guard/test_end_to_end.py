@@ -65,6 +65,8 @@ def test_without_the_guard_the_flood_arrives_among_navigation(unguarded, rate):
     wait_for(lambda: unguarded.driven.turns() >= 100, what="the attack")
     navigated = len(unguarded.driven.navigation())
     wait_for(lambda: len(unguarded.driven.navigation()) > navigated, what="navigation")
+    assert unguarded.driven.turns() >= 100
+    assert len(unguarded.driven.navigation()) > navigated
 
 
 def test_nothing_of_a_node_started_by_hand_arrives_active_or_idle(guarded):
@@ -92,6 +94,8 @@ def test_without_the_guard_a_node_started_by_hand_drives_active_or_idle(unguarde
     nav.stop()
     idle_from = unguarded.driven.turns()
     wait_for(lambda: unguarded.driven.turns() >= idle_from + MANY, what="the attack when idle")
+    assert idle_from >= MANY
+    assert unguarded.driven.turns() >= idle_from + MANY
 
 
 def test_a_lower_flow_has_the_driver_while_nobody_higher_speaks(guarded):

@@ -81,10 +81,11 @@ def guard(ros1):
     return Guarded(ros1)
 
 
-def passes(guard, publisher, subscriber, number):
+def heard(publisher, subscriber, number):
+    """Publish a velocity; return what the subscriber hears next."""
     wait_for(lambda: publisher.connections, what="the guard's connection")
     publisher.send(twist(number))
-    assert subscriber.frame() == twist(number)
+    return subscriber.frame()
 
 
 @pytest.mark.parametrize("attack", HOSTILE)
@@ -93,7 +94,7 @@ def test_a_hostile_subscriber_harms_nobody(guard, attack):
     with socket.create_connection(("localhost", port)) as hostile:
         hostile.sendall(HOSTILE[attack])
         with guard.subscribe() as driver, guard.nav() as nav:
-            passes(guard, nav, driver, 1)
+            assert heard(nav, driver, 1) == twist(1)
     assert not guard.process.ended
 
 
@@ -129,7 +130,7 @@ def test_a_publisher_that_lies_is_not_let_through(guard, header, data):
         wait_for(lambda: liar.connections, what="the guard's connection")
         liar.connections[-1].sendall(data)
         with guard.nav() as nav:
-            passes(guard, nav, driver, 1)
+            assert heard(nav, driver, 1) == twist(1)
     assert not guard.process.ended
 
 
@@ -137,19 +138,19 @@ def test_a_publisher_that_comes_back_is_heard_again_but_not_with_another_type(gu
     with guard.subscribe() as driver:
         for number in range(3):
             with guard.nav() as nav:
-                passes(guard, nav, driver, number)
+                assert heard(nav, driver, number) == twist(number)
         with guard.nav(type="std_msgs/String", md5sum="0") as changed:
             wait_for(lambda: changed.connections, what="the guard's connection")
             changed.connections[-1].sendall(twist(666))
         with guard.nav() as nav:
-            passes(guard, nav, driver, 9)
+            assert heard(nav, driver, 9) == twist(9)
 
 
 def test_a_broken_connection_is_made_again(guard):
     with guard.subscribe() as driver, guard.nav() as nav:
-        passes(guard, nav, driver, 1)
+        assert heard(nav, driver, 1) == twist(1)
         nav.connections.pop().close()
-        passes(guard, nav, driver, 2)
+        assert heard(nav, driver, 2) == twist(2)
 
 
 def test_what_was_said_before_the_driver_came_waits_a_moment_for_it(guard):
@@ -172,7 +173,7 @@ def test_a_subscriber_that_does_not_read_delays_nobody(guard):
 
 def test_a_restarted_master_learns_of_the_guard_again(ros1, guard):
     with guard.subscribe() as driver, guard.nav() as nav:
-        passes(guard, nav, driver, 1)
+        assert heard(nav, driver, 1) == twist(1)
         ros1.master.kill()
         nav.send(twist(2))
         assert driver.frame() == twist(2)
@@ -197,7 +198,7 @@ def test_the_type_is_the_drivers_not_the_first_publishers(guard):
         wait_for(lambda: liar.connections, what="the guard's connection")
         liar.connections[-1].sendall(twist(666))
         with guard.nav() as nav:
-            passes(guard, nav, driver, 1)
+            assert heard(nav, driver, 1) == twist(1)
 
 
 def test_a_publisher_with_a_host_that_is_none_is_tried_again(guard):
@@ -209,5 +210,5 @@ def test_a_publisher_with_a_host_that_is_none_is_tried_again(guard):
         wait_for(lambda: "a host that is none" in guard.process.log, what="the guard's word")
         liar._slave.register_function(RawPublisher._request_topic.__get__(liar), "requestTopic")
         with guard.subscribe() as driver:
-            passes(guard, liar, driver, 1)
+            assert heard(liar, driver, 1) == twist(1)
     assert "Traceback" not in guard.process.log

@@ -72,6 +72,7 @@ def test_without_the_guard_the_started_attacker_reaches_the_driver(ros1, launch)
     ros1.spawn("roslaunch", launch, f"out:={driven.path}")
     wait_for(driven.navigation, what="navigation at the driver")
     wait_for(lambda: driven.turns_after_navigation_began() > 100, what="the attack")
+    assert driven.turns_after_navigation_began() > 100
 
 
 def test_rospack_and_rospkg_find_the_copy_first_and_only_where_it_should_be(ros1, launch):

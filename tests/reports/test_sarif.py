@@ -195,4 +195,5 @@ def test_any_name_gives_valid_sarif(name, file, line):
     evidence = (Evidence(file=file, line=line),)
     found = risk(RiskKind.MSR, id=name, topics=(name,), reason=name, evidence=evidence)
     unresolved = (Unresolved(what=name, why=name, evidence=evidence),)
-    run_of(InteractionGraph(app=name, unresolved=unresolved), report_of(found), ROOT)
+    run = run_of(InteractionGraph(app=name, unresolved=unresolved), report_of(found), ROOT)
+    assert [result["ruleId"] for result in run["results"]] == ["MSR"]

@@ -77,7 +77,7 @@ def test_fuzz_xmlrpc(given_inputs, document):
     given_inputs[0] += 1
     for decode in (decode_call, decode_response):
         with suppress(WireError):
-            repr(decode(document))
+            assert repr(decode(document))
 
 
 @given(uri=st.text() | texts.map("http://{}:1/".format) | st.text().map("http://{}".format))

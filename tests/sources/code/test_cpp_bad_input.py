@@ -29,7 +29,8 @@ def test_bytes_never_raise(data):
 @given(st.integers(0, len(GOOD)), st.integers(0, 20), st.binary(max_size=8))
 @settings(max_examples=300, deadline=None)
 def test_changed_source_never_raises(at, cut, put):
-    pickle.dumps(lower_cpp("f.cpp", GOOD[:at] + put + GOOD[at + cut :]))
+    found = lower_cpp("f.cpp", GOOD[:at] + put + GOOD[at + cut :])
+    assert pickle.loads(pickle.dumps(found)) == found
 
 
 @pytest.mark.parametrize(

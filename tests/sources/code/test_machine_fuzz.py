@@ -54,20 +54,23 @@ def apply(text, changes):
     return text
 
 
-def check(text, suffix):
+def faults(text, suffix):
+    """Return what is wrong with what a program gives: no interface, too late, without a place."""
     start = time.monotonic()
     interface = run_text(text, suffix, args=("a", "--b=c"))
-    assert isinstance(interface, NodeInterface)
-    assert time.monotonic() - start < SECONDS
-    for found in (*interface.declarations, *interface.unresolved):
-        assert found.evidence[0].file
+    late = time.monotonic() - start
+    if not isinstance(interface, NodeInterface):
+        return [interface]
+    entries = (*interface.declarations, *interface.unresolved)
+    placeless = [entry for entry in entries if not entry.evidence[0].file]
+    return [*placeless, *([late] if late >= SECONDS else [])]
 
 
 @pytest.mark.parametrize("suffix", ["py", "cpp"])
 @given(data=st.data())
 @SETTINGS
 def test_a_changed_source_never_fails(suffix, data):
-    check(data.draw(mutated(suffix)), suffix)
+    assert faults(data.draw(mutated(suffix)), suffix) == []
 
 
 @pytest.mark.parametrize("suffix", ["py", "cpp"])
@@ -76,18 +79,18 @@ def test_a_changed_source_never_fails(suffix, data):
 def test_lines_of_several_sources_in_any_order_never_fail(suffix, data):
     lines = [line for text in sources(suffix) for line in text.splitlines()]
     chosen = data.draw(st.lists(st.sampled_from(lines), max_size=40))
-    check("\n".join(chosen), suffix)
+    assert faults("\n".join(chosen), suffix) == []
 
 
 @pytest.mark.parametrize("suffix", ["py", "cpp"])
 @given(data=st.data())
 @SETTINGS
 def test_statements_of_python_and_pieces_never_fail(suffix, data):
-    check("".join(data.draw(st.lists(st.sampled_from(PIECES), max_size=30))), suffix)
+    assert faults("".join(data.draw(st.lists(st.sampled_from(PIECES), max_size=30))), suffix) == []
 
 
 @pytest.mark.parametrize("suffix", ["py", "cpp"])
 @given(data=st.binary(max_size=200))
 @SETTINGS
 def test_bytes_never_fail(suffix, data):
-    check(data, suffix)
+    assert faults(data, suffix) == []

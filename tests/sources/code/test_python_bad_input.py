@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtron.sources.code.ir import Assign, Const, Define, Opaque, Problem
+from rtron.sources.code.ir import Assign, Const, Define, Language, Opaque, Problem
 from rtron.sources.code.python import lower_python
 from rtron.sources.code.python.tokens import statements, tokenized
 
@@ -191,12 +191,12 @@ def test_a_hostile_file_takes_bounded_time(kind):
 
 @given(st.binary(max_size=300))
 def test_any_bytes_are_read(data):
-    lowered(data)
+    assert lowered(data).language is Language.PYTHON
 
 
 @given(st.lists(st.sampled_from(SAMPLE.split(" ") + list("()[]{}:,;'\"`\n\t\\=")), max_size=60))
 def test_any_words_are_read(words):
-    lowered(" ".join(words))
+    assert lowered(" ".join(words)).language is Language.PYTHON
 
 
 @pytest.mark.parametrize("seed", range(150))
