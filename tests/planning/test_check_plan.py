@@ -7,7 +7,15 @@ from home import HOME
 
 from rtron.planning import Level, check_plan, propose_plan
 from rtron.risks import discover
-from rtron.vocabulary import FpsMonitor, InteractionGraph, Mode, WatchedFlow
+from rtron.vocabulary import (
+    EventFlow,
+    FpsMonitor,
+    FrameSource,
+    InteractionGraph,
+    Mode,
+    Topic,
+    WatchedFlow,
+)
 
 PLAN = propose_plan(HOME, discover(HOME))
 CMD_VEL = PLAN.grcn[0]
@@ -109,17 +117,91 @@ def test_one_topic_of_an_action_should_not_be_enforced_alone():
 
 
 def test_what_is_only_watched_is_checked_too():
-    eflow = WatchedFlow(name="eflow1", topic="/odo", publisher="/gazebo")
-    silent = WatchedFlow(name="eflow2", topic="/odom", publisher="/rviz")
+    eflow = EventFlow(name="eflow1", topic="/odo", publisher="/gazebo")
+    silent = EventFlow(name="eflow2", topic="/odom", publisher="/rviz")
     plan = replace(PLAN, msrcn=replace(PLAN.msrcn, eflows=(eflow, silent)))
     assert told(plan) == [
         "error: MSRCN, eflow1: no topic /odo in the app: did you mean /odom?",
         "error: MSRCN, eflow2: /rviz does not publish /odom: /gazebo does",
     ]
-    monitor = FpsMonitor(id="fps", node="/find_object_3", topic="/objects")
+    monitor = FpsMonitor(
+        id="fps", node="/find_object_3", topic="/objects", source=FrameSource.DETECTIONS
+    )
     assert told(replace(PLAN, fps_monitor=(monitor,))) == [
         "error: fps_monitor fps: no node /find_object_3 in the app: did you mean /find_object_3d?"
     ]
+
+
+@pytest.mark.parametrize(
+    ("topic", "publisher", "fault"),
+    [
+        ("/camera/rgb/image", "/gazebo", "no topic /camera/rgb/image in the app: did you mean"),
+        ("/camera/rgb/image_raw", "/rviz", "/rviz does not publish /camera/rgb/image_raw: /gazebo"),
+        ("/camera/rgb/image_raw", "/gazeb", "no node /gazeb in the app: did you mean /gazebo"),
+    ],
+)
+def test_a_camera_is_checked_too(topic, publisher, fault):
+    camera = WatchedFlow(name="camera", topic=topic, publisher=publisher)
+    monitor = replace(PLAN.fps_monitor[0], camera=camera)
+    (text,) = told(replace(PLAN, fps_monitor=(monitor,)))
+    assert text.startswith("error: fps_monitor fps_find_object_3d, camera: ")
+    assert fault in text
+
+
+def monitored(topic, source=FrameSource.FRAMES):
+    node = min(end.node for end in HOME.publishers(topic))
+    monitor = FpsMonitor(id="fps", node=node, topic=topic, source=source)
+    return replace(PLAN, fps_monitor=(monitor,))
+
+
+def test_an_empty_scene_must_not_freeze_the_robot():
+    (text,) = told(monitored("/objects"))
+    assert text.startswith("warning: fps_monitor fps: /objects carries no images (std_msgs/")
+    assert "an empty scene would freeze the robot; say `source: detections`" in text
+    assert told(monitored("/objects", FrameSource.DETECTIONS)) == []
+
+
+@pytest.mark.parametrize(
+    "topic",
+    [
+        "/camera/rgb/image_raw",
+        "/camera/rgb/image_raw/compressed",
+        "/camera/rgb/camera_info",
+        "/camera/depth/points",
+    ],
+)
+def test_what_comes_with_every_frame_counts_as_frames(topic):
+    assert told(monitored(topic)) == []
+
+
+def test_a_monitor_on_a_topic_of_unknown_type_is_not_doubted():
+    ends = tuple(replace(end, type="") for end in HOME.endpoints)
+    graph = replace(HOME, endpoints=ends, topics=())
+    assert check_plan(monitored("/objects"), graph) == ()
+
+
+def test_the_type_of_a_guarded_topic_is_that_of_the_app():
+    assert told(with_grcn(type="geometry_msgs/msg/Twist")) == []
+    assert told(with_grcn(type="")) == []
+    assert told(with_grcn(type="geometry_msgs/TwistStamped")) == [
+        (
+            "error: GRCN grcn_cmd_vel: /cmd_vel carries geometry_msgs/Twist, "
+            "not geometry_msgs/TwistStamped"
+        )
+    ]
+
+
+def test_the_type_of_an_event_is_that_of_the_app():
+    first, *others = PLAN.msrcn.eflows
+    wrong = replace(first, type="nav_msgs/Path")
+    (text,) = told(replace(PLAN, msrcn=replace(PLAN.msrcn, eflows=(wrong, *others))))
+    assert text == f"error: MSRCN, eflow1: {first.topic} carries {first.type}, not nav_msgs/Path"
+
+
+def test_a_type_that_the_graph_declares_for_a_topic_without_ends_counts():
+    graph = InteractionGraph(app="", topics=(Topic(name="/cmd_vel", types=("a/B",)),))
+    (text, *_) = [str(p) for p in check_plan(replace(PLAN, grcn=(CMD_VEL,)), graph)]
+    assert "/cmd_vel carries a/B, not geometry_msgs/Twist" in text
 
 
 def test_guarded_topics_are_checked_like_those_of_a_grcn():

@@ -20,7 +20,23 @@ grcn:
       - {name: flow1, publisher: /move_base, priority: 2}
       - {name: flow2, publisher: /teleop, priority: 1, timeout: 200 ms}
     successors: [/gazebo]
-fps_monitor: [{node: /a, topic: /b}]
+rsrcn: {mode: enforce, policy: Safe, threshold: 2 cm/frame}
+msrcn:
+  mode: observe
+  aflows: [{topic: /cmd_vel, type: geometry_msgs/Twist, flows: [{name: a1, publisher: /teleop}]}]
+  eflows:
+    - {name: low, topic: /battery, publisher: /base, type: my_msgs/Battery, when: event.left < 0.2}
+    - {name: seen, topic: /people, publisher: /eyes, present: 2 s}
+  rules:
+    - {name: rest, when: low && !seen, block: [a1], action: action.linear.x > 0.1, require: seen}
+  areas: [{name: bed, frame: map, polygon: [{x: 0, y: 0}, {x: 1 m, y: 0}, {x: 0, y: 1}]}]
+  transforms: [{source: odom, target: map, yaw: 90 deg}]
+fps_monitor: [{node: /a, topic: /b, camera: {name: c, topic: /c, publisher: /d}}]
+stop: {decel: 1 m/s2, period: 20 ms}
+messages:
+  - type: my_msgs/Battery
+    definition: |
+      float32 left
 """
 pieces = st.sampled_from([*"\n :-[]{},&*!|>'\"%@#?\t0aé\x00", "  ", "- ", ": ", "<<: ", "null"])
 edits = st.lists(st.tuples(st.integers(0, len(WHOLE)), st.integers(0, 5), pieces), max_size=6)
@@ -56,6 +72,10 @@ def plan_or_error(text):
         return parse_plan(text)
     except PlanError as error:
         return error
+
+
+def test_the_plan_that_is_damaged_is_one():
+    assert parse_plan(WHOLE).messages
 
 
 @given(edits)

@@ -19,6 +19,7 @@ from rtron.vocabulary import (
     Endpoint,
     Flow,
     FpsMonitor,
+    FrameSource,
     FunctionType,
     Mode,
     Node,
@@ -28,6 +29,7 @@ from rtron.vocabulary import (
     Sharing,
     StreamKind,
     Trust,
+    WatchedFlow,
     streams,
 )
 
@@ -114,13 +116,30 @@ class TestHome:
         names = [flow.name for topic in msrcn.aflows for flow in topic.flows]
         assert names == [f"aflow{number}" for number in range(1, 6)]
 
+    def test_an_event_is_seen_for_two_seconds_until_a_person_says_more(self):
+        seen = {(flow.present, flow.silent, flow.when) for flow in HOME_PLAN.msrcn.eflows}
+        assert seen == {(2 * SECOND, None, "")}
+        types = {flow.topic: flow.type for flow in HOME_PLAN.msrcn.eflows}
+        assert types["/odom"] == "nav_msgs/Odometry"
+        assert HOME_PLAN.msrcn.rules == ()
+
     def test_an_image_node_without_debug_image_is_timed_by_what_it_recognises(self):
         assert HOME_PLAN.fps_monitor == (
-            FpsMonitor(id="fps_find_object_3d", node="/find_object_3d", topic="/objects"),
+            FpsMonitor(
+                id="fps_find_object_3d",
+                node="/find_object_3d",
+                topic="/objects",
+                source=FrameSource.DETECTIONS,
+                camera=None,
+            ),
             FpsMonitor(
                 id="fps_person_detector",
                 node="/person_detector",
                 topic="/person_detector/detections",
+                source=FrameSource.DETECTIONS,
+                camera=WatchedFlow(
+                    name="camera", topic="/camera/rgb/image_raw", publisher="/gazebo"
+                ),
             ),
         )
 
@@ -136,6 +155,15 @@ class TestAutoRace:
         assert topics["/detect_sign"] == "/detect/image_traffic_sign/compressed"
         assert topics["/detect_level"] == "/detect/image_level"
         assert len(topics) == 5
+        assert {monitor.source for monitor in AUTORACE_PLAN.fps_monitor} == {FrameSource.FRAMES}
+
+    def test_the_camera_is_the_one_image_that_the_node_hears(self):
+        cameras = {monitor.node: monitor.camera for monitor in AUTORACE_PLAN.fps_monitor}
+        assert cameras["/detect_sign"] == WatchedFlow(
+            name="camera",
+            topic="/camera/image_compensated",
+            publisher="/camera/image_compensation",
+        )
 
     def test_own_nodes_drive_before_those_of_others(self):
         flows = grcn_of(AUTORACE_PLAN, "/cmd_vel").flows
@@ -282,6 +310,35 @@ class TestGuards:
         assert monitor.topic == "/detect/image"
         (monitor,) = plan_of(graph_of("app", text.replace("a,detect,z", "a,z"))).fps_monitor
         assert monitor.topic == "/a/image"
+
+    @pytest.mark.parametrize(
+        ("heard", "spoken", "camera"),
+        [
+            ("/camera", "/driver own\n pub /camera sensor_msgs/Image\n", "/driver"),
+            ("/camera", "", None),
+            ("/camera", "/a a own\n pub /camera sensor_msgs/Image\n" * 2, "/a"),
+            ("/{left,right}", "/driver own\n pub /{left,right} sensor_msgs/Image\n", None),
+            (
+                "/camera",
+                "".join(f"/{n} n own\n pub /camera sensor_msgs/Image\n" for n in "ab"),
+                None,
+            ),
+            ("/camera", "/n n own\n pub /camera sensor_msgs/Image\n", None),
+        ],
+    )
+    def test_a_camera_is_proposed_where_there_is_no_doubt(self, heard, spoken, camera):
+        text = f"/n n own\n sub {heard} sensor_msgs/Image\n pub /detect/a p/T\n"
+        spoken = spoken.replace("/driver own", "/driver driver own")
+        (monitor,) = plan_of(graph_of("app", text + spoken)).fps_monitor
+        assert (monitor.camera and monitor.camera.publisher) == camera
+
+    def test_no_topic_is_both_event_and_action(self):
+        text = "/n n own\n pub /detect/goal geometry_msgs/PoseStamped\n"
+        text += "/s s own\n sub /detect/goal geometry_msgs/PoseStamped\n"
+        text += " pub /detect/other p/T\n"
+        msrcn = plan_of(graph_of("app", text)).msrcn
+        assert [topic.topic for topic in msrcn.aflows] == ["/detect/goal"]
+        assert [(flow.name, flow.topic) for flow in msrcn.eflows] == [("eflow1", "/detect/other")]
 
 
 class TestNamesWithHoles:

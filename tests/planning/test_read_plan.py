@@ -12,6 +12,7 @@ from rtron.vocabulary import (
     RSRCN,
     SECOND,
     Domain,
+    EventFlow,
     Flow,
     FpsMonitor,
     GuardedTopic,
@@ -59,6 +60,7 @@ grcn:
 rsrcn:
   mode: observe
   policy: Safe
+  threshold: 2 cm/frame
   vflows:
     - topic: /max_vel
       type: std_msgs/Float64
@@ -71,7 +73,7 @@ msrcn:
   policy: Block
   aflows:
     - {topic: /cmd_vel, flows: [{name: aflow1, publisher: /move_base}]}
-  eflows: [{name: eflow1, topic: /odom, publisher: /base}]
+  eflows: [{name: eflow1, topic: /odom, publisher: /base, present: 2 s}]
 fps_monitor:
   - {node: /face_finder, topic: /faces}
 accept_unenforceable: ["/gazebo: a plugin, says the developer"]
@@ -140,6 +142,7 @@ def test_everything_that_a_plan_can_hold():
             id="rsrcn",
             mode=Mode.OBSERVE,
             policy=PolicyName.SAFE,
+            threshold=0.02,
             vflows=(
                 GuardedTopic(
                     topic="/max_vel",
@@ -161,7 +164,9 @@ def test_everything_that_a_plan_can_hold():
                     flows=(Flow(name="aflow1", publisher="/move_base"),),
                 ),
             ),
-            eflows=(WatchedFlow(name="eflow1", topic="/odom", publisher="/base"),),
+            eflows=(
+                EventFlow(name="eflow1", topic="/odom", publisher="/base", present=2 * SECOND),
+            ),
         ),
         fps_monitor=(FpsMonitor(id="fps_face_finder", node="/face_finder", topic="/faces"),),
         accept_unenforceable=("/gazebo: a plugin, says the developer",),
@@ -253,6 +258,11 @@ def test_a_slip_is_told_with_its_line(old, new, line, fault):
     assert any(text.startswith(f"my.yaml:{line}: ") and fault in text for text in told), told
 
 
+@pytest.mark.parametrize("key", ["rsrcn", "msrcn"])
+def test_a_coordination_node_may_be_none(key):
+    assert parse_plan(f"{key}:\n{LEAST}") == parse_plan(LEAST)
+
+
 def test_nothing_is_a_value_where_there_may_be_none():
     text = swap("mode:", "done: null\n    mode:").replace("priority: 2", "priority: 2, timeout: ~")
     assert parse_plan(text) == parse_plan(LEAST)
@@ -272,7 +282,7 @@ def test_ids_are_distinct_over_all_coordination_nodes():
 
 def test_flow_names_are_distinct_in_a_coordination_node():
     assert faults(WHOLE.replace("vflow1", "x").replace("iflow1", "x")) == [
-        "my.yaml:32: two flows have the name x"
+        "my.yaml:33: two flows have the name x"
     ]
 
 

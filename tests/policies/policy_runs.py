@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 
+from hypothesis import settings as effort
 from hypothesis import strategies as st
 
 from rtron.policies import build
@@ -24,12 +25,21 @@ FLOWS = (
     Flow(name=HIGH, publisher="/high", priority=3, timeout=16),
     Flow(name=BLOCKED, publisher="/blocked", priority=9, block=True),
 )
+# Two and a half times the examples of the profile that is loaded.
+often = effort(max_examples=effort().max_examples * 5 // 2, deadline=None)
 QUEUES = (PolicyName.FIFO_QUEUE, PolicyName.PRIORITY_QUEUE)
+LIMITS = (PolicyName.SAFE, PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
 TICK, DONE = "tick", "done"
 
 
 def settings(policy, kind=StreamKind.COMMAND, flows=FLOWS, **others):
-    bounds = {"release_after": RELEASE_AFTER, "max_age": MAX_AGE, "max_hold": MAX_HOLD}
+    bounds = {
+        "release_after": RELEASE_AFTER,
+        "max_age": MAX_AGE,
+        "max_hold": MAX_HOLD,
+        "threshold": 0.05,
+        "max_vel_limit": 0.5,
+    }
     return PolicySettings(policy=policy, kind=kind, flows=flows, **{**bounds, **others})
 
 

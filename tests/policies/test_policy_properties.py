@@ -10,23 +10,25 @@ from hypothesis import strategies as st
 from policy_models import NaivePreemption, naive_queue
 from policy_runs import (
     APPROVED,
+    BLOCKED,
     DONE,
     FLOWS,
     QUEUES,
+    STRANGER,
     TICK,
     Run,
     gaps,
     kinds,
+    often,
     queue_settings,
     settings,
     steps,
     timeout_of,
 )
 
-from rtron.policies import POLICIES
 from rtron.vocabulary import Decision, PolicyName, StreamKind
 
-often = effort(max_examples=250, deadline=None)
+OF_GRCN = (PolicyName.BLOCK, PolicyName.PREEMPTION, *QUEUES)
 promptness = st.booleans()
 any_settings = queue_settings() | st.builds(
     settings, st.sampled_from([PolicyName.BLOCK, PolicyName.PREEMPTION]), kinds
@@ -195,7 +197,7 @@ def test_the_commands_of_a_flow_never_go_back(policy, steps, prompt):
         assert numbers == sorted(numbers)
 
 
-@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("policy", OF_GRCN)
 @given(flow=st.sampled_from(APPROVED), gap=gaps)
 @effort(max_examples=50, deadline=None)
 def test_the_first_message_passes_whoever_could_go_before(policy, flow, gap):
@@ -203,8 +205,19 @@ def test_the_first_message_passes_whoever_could_go_before(policy, flow, gap):
     assert Run(settings(policy)).play([(gap, flow)]).passed()
 
 
-@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("policy", OF_GRCN)
 def test_a_pass_builds_no_verdict(policy):
     run = Run(settings(policy))
     run.play([(1, "high"), (1, "high")])
     assert run.verdicts[0] is run.verdicts[1]
+
+
+@often
+@given(any_settings, steps, promptness, st.sampled_from([*APPROVED, BLOCKED, STRANGER]))
+def test_a_refusal_is_what_any_message_would_be_dropped_with(chosen, steps, prompt, flow):
+    run = Run(chosen, prompt).play(steps)
+    refusal = run.policy.refusal(flow, run.now)
+    assert (refusal is None) is (flow in APPROVED)
+    if refusal is not None:
+        assert refusal == run.policy.verdict(flow, "any", run.now)
+        assert refusal.decision is Decision.DROP

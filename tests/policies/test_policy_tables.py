@@ -1,19 +1,20 @@
 """The tables are total, and each policy has its page."""
 
 import doctest
+import re
 from importlib import import_module
 from itertools import product
 
 import pytest
 from docs_policies import PAGES, stale
-from policy_runs import settings
+from policy_runs import LIMITS, settings
 
 from rtron.errors import PlanError
-from rtron.policies import POLICIES, block, build, preemption, queueing
+from rtron.policies import POLICIES, block, build, limiting, preemption, queueing, stopping
 from rtron.policies.machine import Effect, Machine
 from rtron.vocabulary import Flow, PolicyName, StreamKind
 
-TABLED = (block, preemption, queueing)
+TABLED = (block, preemption, queueing, limiting, stopping)
 HEADINGS = ("What it does", "When to use it", "Settings", "States", "Example")
 
 
@@ -65,18 +66,36 @@ def test_a_stale_page_is_found(tmp_path):
     assert {page.stem for page in stale(tmp_path)} == {str(policy) for policy in POLICIES}
 
 
-@pytest.mark.parametrize("policy", [PolicyName.SAFE, PolicyName.CONSTRAIN])
-def test_safe_and_constrain_are_not_available_yet(policy):
-    with pytest.raises(PlanError, match=f"{policy} is not available yet") as raised:
-        build(settings(policy))
-    assert "Preemption" in raised.value.help
+@pytest.mark.parametrize(
+    ("policy", "key"),
+    [
+        (PolicyName.SAFE, "threshold"),
+        (PolicyName.CONSTRAIN, "max_vel_limit"),
+        (PolicyName.SAFE_CONSTRAIN, "threshold"),
+        (PolicyName.SAFE_CONSTRAIN, "max_vel_limit"),
+    ],
+)
+def test_a_limit_that_is_not_given_is_refused(policy, key):
+    with pytest.raises(PlanError, match=f"^{re.escape(policy)} needs {key}$") as raised:
+        build(settings(policy, **{key: None}))
+    assert raised.value.help == f"set {key} of the RSRCN"
+
+
+@pytest.mark.parametrize("policy", LIMITS)
+def test_flows_that_have_an_order_have_it_among_all(policy):
+    flows = tuple(
+        Flow(name=name, publisher="/any", priority=priority)
+        for name, priority in (("flow1", 1), ("flow2", 2), ("flow3", 1))
+    )
+    with pytest.raises(PlanError, match="flow1 and flow3 have the same priority 1"):
+        build(settings(policy, flows=flows))
 
 
 @pytest.mark.parametrize("policy", POLICIES)
 @pytest.mark.parametrize("kind", StreamKind)
 def test_equal_priorities_are_refused_where_priorities_count(policy, kind):
     equal = tuple(Flow(name=name, publisher="/any") for name in ("flow1", "flow2"))
-    if policy in {PolicyName.BLOCK, PolicyName.FIFO_QUEUE}:
+    if policy in {PolicyName.BLOCK, PolicyName.FIFO_QUEUE, *LIMITS}:
         build(settings(policy, kind, equal))
     else:
         with pytest.raises(PlanError, match="flow1 and flow2 have the same priority 0"):

@@ -16,7 +16,20 @@ from rtron.reports.html import graph_to_html
 from rtron.reports.neutral import neutral
 from rtron.risks import discover
 from rtron.sources.graph_json import read_graph
-from rtron.vocabulary import Evidence, InteractionGraph, Node, Resolution, Trust
+from rtron.vocabulary import (
+    SECOND,
+    Area,
+    Evidence,
+    FrameSource,
+    InteractionGraph,
+    Node,
+    Point,
+    Resolution,
+    Rule,
+    Transform,
+    Trust,
+    WatchedFlow,
+)
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 EVIL = "</script><img src=x onerror=alert(1)><!--\"'&\u2028\x1b$title"
@@ -119,6 +132,33 @@ def test_the_plan_s_coordination_nodes():
     assert data["topics"][guard["topic"]]["name"] == CMD_VEL
     assert [data["nodes"][n]["name"] for n in first["nodes"]] == [first["publisher"]]
     assert page_of(graph, report).data["coordination"] == []
+
+
+def test_limits_rules_and_cameras_of_the_plan_in_words():
+    graph, report, plan = autorace()
+    rsrcn = replace(plan.rsrcn, threshold=0.02, max_vel_limit=0.22)
+    event = replace(plan.msrcn.eflows[0], present=None, silent=SECOND)
+    rule = Rule(name="r1", block=(CMD_VEL,), when=event.name, reason=EVIL)
+    area = Area(name="hall", frame="map", polygon=(Point(x=0, y=0),) * 3)
+    frames = Transform(source="odom", target="map")
+    msrcn = replace(plan.msrcn, eflows=(event,), rules=(rule,), areas=(area,), transforms=(frames,))
+    camera = WatchedFlow(name="camera", topic="/only/here", publisher="/nobody")
+    monitor = replace(plan.fps_monitor[0], camera=camera, source=FrameSource.DETECTIONS)
+    plan = replace(plan, grcn=(), rsrcn=rsrcn, msrcn=msrcn, fps_monitor=(monitor,))
+    data = page_of(graph, report, plan).data
+    fps, limits, mission = data["coordination"]
+    assert fps["terms"] == [
+        "counts detections only, over 1 s, no faster than /only/here of /nobody"
+    ]
+    assert [watch["name"] for watch in fps["watches"]] == ["detections", "camera"]
+    assert data["topics"][fps["watches"][1]["topic"]]["name"] == "/only/here"
+    assert limits["terms"] == ["threshold 0.02 m/frame", "max_vel_limit 0.22 m/s"]
+    assert mission["terms"] == [
+        "area hall: 3 corners in map",
+        "odom lies in map at 0 m, 0 m, 0 rad",
+    ]
+    assert mission["rules"] == [["r1", f"while {event.name}: block {CMD_VEL}", neutral(EVIL)]]
+    assert mission["watches"][0]["note"] == "set after 1 s without a message"
 
 
 def test_a_pattern_in_the_plan_means_the_nodes_that_it_names():

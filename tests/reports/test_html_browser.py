@@ -219,6 +219,7 @@ def test_coordination_nodes_show_their_flows(autorace):
     assert {"flow1", "flow4"} <= set(texts(autorace, ".edge.lit .flow"))
     press(autorace, "[aria-label='MSRCN msrcn']")
     assert autorace.find_elements(By.CSS_SELECTOR, ".edge.lane.lit")
+    assert "set for 2 s after a message" in autorace.find_element(By.ID, "detail").text
     click(autorace, "#overlay")
     assert not [label for label in labels(autorace) if "RCN" in label]
 

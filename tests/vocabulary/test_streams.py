@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 
+import pytest
+
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
     RSRCN,
+    UNAPPROVED,
     CoordinationKind,
     Domain,
     Flow,
@@ -13,7 +16,10 @@ from rtron.vocabulary import (
     Mode,
     Plan,
     PolicyName,
+    Rule,
     Sharing,
+    StageRule,
+    Stop,
     StreamKind,
     streams,
 )
@@ -102,3 +108,135 @@ def test_streams_stand_in_the_order_of_the_plan():
     other = replace(GENERAL, id="grcn_goal", topic="/goal")
     found = streams(replace(PLAN, grcn=(other, GENERAL)))
     assert [stream.topic for stream in found] == ["/goal", "/cmd_vel"]
+
+
+# Limits, rules and the stop
+
+
+def test_the_limits_of_the_rsrcn_go_with_its_stage_alone():
+    robot = replace(
+        ROBOT, policy=PolicyName.SAFE_CONSTRAIN, threshold=0.05, max_vel_limit=0.22, lowest=0.01
+    )
+    (stream,) = streams(replace(PLAN, rsrcn=robot))
+    limits = [(s.threshold, s.max_vel_limit, s.lowest) for s in settings_of(stream)]
+    assert limits == [(None, None, 0.0), (None, None, 0.0), (0.05, 0.22, 0.01)]
+    assert [s.policy for s in settings_of(stream)][1:] == [MISSION.policy, robot.policy]
+
+
+def test_every_stream_stops_as_the_plan_says():
+    stop = Stop(decel=1.0, period=7)
+    other = replace(GENERAL, id="grcn_goal", topic="/goal")
+    plan = replace(PLAN, grcn=(GENERAL, other), stop=stop)
+    assert [stream.stop for stream in streams(plan)] == [stop, stop]
+    assert streams(PLAN)[0].stop == Stop()
+
+
+def settings_of(stream):
+    return [stage.settings for stage in stream.stages]
+
+
+def guarded(*flows, topic="/cmd_vel"):
+    return replace(ACTIONS, topic=topic, flows=flows)
+
+
+def with_rules(*rules, flows=(), topic="/cmd_vel", general=(GENERAL,)):
+    """Return the stage rules that the MSRCN's stage of one topic gets."""
+    aflows = flows or (
+        Flow(name="aflow1", publisher="/nav"),
+        Flow(name="aflow2", publisher="/teleop"),
+    )
+    mission = replace(MISSION, aflows=(guarded(*aflows, topic=topic),), rules=rules)
+    found = streams(Plan(app="app", grcn=general, msrcn=mission))
+    (stage,) = (s for stream in found for s in stream.stages if s.id == "msrcn")
+    return stage.settings.rules
+
+
+def rule(*block, require=""):
+    return Rule(name="fire", block=block, require=require)
+
+
+@pytest.mark.parametrize(
+    ("block", "require", "blocks", "meets"),
+    [
+        (("aflow1",), "", {"flow1"}, set()),
+        (("aflow1", "aflow2"), "", {"flow1", "flow2"}, set()),
+        (("/cmd_vel",), "", {"flow1", "flow2", UNAPPROVED}, set()),
+        (("/goal",), "", set(), set()),
+        (("aflow1",), "aflow2", {"flow1"}, {"flow2"}),
+        (("/goal",), "/cmd_vel", set(), {"flow1", "flow2", UNAPPROVED}),
+        (("flow1",), "flow2", set(), set()),
+    ],
+)
+def test_the_flows_of_a_rule_have_their_names_in_the_stream(block, require, blocks, meets):
+    expected = StageRule(name="fire", blocks=frozenset(blocks), meets=frozenset(meets))
+    assert with_rules(rule(*block, require=require)) == (expected,)
+
+
+def test_without_a_grcn_the_flows_keep_their_own_names():
+    (made,) = with_rules(rule("aflow2"), general=())
+    assert made.blocks == {"aflow2"}
+
+
+@pytest.mark.parametrize(
+    ("publisher", "blocks"),
+    [("/nav*", {"flow1"}), ("/na", set()), ("/*", {"flow1", "flow2"}), ("/nav", {"flow1"})],
+)
+def test_a_pattern_means_every_flow_that_it_fits(publisher, blocks):
+    aflow = Flow(name="aflow1", publisher=publisher)
+    (made,) = with_rules(rule("aflow1"), flows=(aflow,))
+    assert made.blocks == blocks
+
+
+def test_a_name_is_meant_by_a_pattern_of_the_stream():
+    general = replace(GENERAL, flows=(Flow(name="flow1", publisher="/nav*"),))
+    aflow = Flow(name="aflow1", publisher="/nav_1")
+    (made,) = with_rules(rule("aflow1"), flows=(aflow,), general=(general,))
+    assert made.blocks == {"flow1"}
+
+
+def test_each_rule_stands_at_each_topic_in_order():
+    first, second = rule("aflow1"), replace(rule("aflow2"), name="wet")
+    assert [each.name for each in with_rules(first, second)] == ["fire", "wet"]
+    other = with_rules(first, second, topic="/goal", general=())
+    assert [each.blocks for each in other] == [{"aflow1"}, {"aflow2"}]
+
+
+def test_only_the_mission_has_rules():
+    mission = replace(MISSION, rules=(rule("aflow1"),))
+    (stream,) = streams(replace(PLAN, msrcn=mission))
+    assert [bool(s.rules) for s in settings_of(stream)] == [False, True, False]
+
+
+def test_a_stage_has_the_priorities_of_its_own_flows():
+    vflows = (
+        Flow(name="vflow1", publisher="/teleop", priority=9),
+        Flow(name="vflow2", publisher="/tele*", priority=5),
+    )
+    robot = replace(ROBOT, vflows=(guarded(*vflows),))
+    (stream,) = streams(replace(PLAN, rsrcn=robot))
+    general, mission, limit = ([f.priority for f in s.flows] for s in settings_of(stream))
+    assert general == [2, 1]
+    assert mission == [0, 0]
+    assert limit == [0, 9]
+
+
+def test_a_stage_takes_over_what_else_a_flow_says():
+    (stream,) = streams(PLAN)
+    general, mission, _ = (s.flows[0] for s in settings_of(stream))
+    assert (mission.timeout, mission.publisher) == (general.timeout, "/nav") == (7, "/nav")
+
+
+def test_a_pattern_blocks_every_flow_that_it_fits_in_its_stage_and_before():
+    blocked = Flow(name="aflow1", publisher="/*", block=True)
+    (stream,) = streams(replace(PLAN, msrcn=replace(MISSION, aflows=(guarded(blocked),))))
+    blocks = [[flow.block for flow in s.flows] for s in settings_of(stream)]
+    assert blocks == [[True, True], [True, True], [True, False]]
+
+
+def test_a_topic_of_its_own_takes_over_what_the_plan_says_of_it():
+    (stream,) = streams(Plan(app="app", rsrcn=ROBOT, revision=3))
+    assert (stream.topic, stream.type, stream.mode) == (ACTIONS.topic, ACTIONS.type, ROBOT.mode)
+    assert stream.successors == ACTIONS.successors
+    (settings,) = settings_of(stream)
+    assert (settings.kind, settings.revision) == (StreamKind.COMMAND, 3)
+    assert settings.flows == stream.flows == ACTIONS.flows

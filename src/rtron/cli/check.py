@@ -33,6 +33,6 @@ def check(
     Exit code: 0 good, 1 it does not fit the app, 2 it cannot be read.
     """
     wanted = read_plan(plan)
-    problems = check_plan(wanted, read_graph(graph)) if graph else ()
+    problems = check_plan(wanted, read_graph(graph) if graph else None)
     failed = any(problem.level is Level.ERROR for problem in problems)
     return Outcome(problems_text(str(plan), remarks_of(problems)), FOUND if failed else OK)

@@ -6,16 +6,22 @@ from functools import cached_property
 
 from rtron.planning.actions import action_topics, topics_of
 from rtron.planning.faults import suggestion
+from rtron.planning.form import TYPE
+from rtron.planning.frames import is_per_frame
 from rtron.planning.problem import Level, Problem
 from rtron.vocabulary import (
     PRIVATE_ROOT,
+    EventFlow,
     Flow,
+    FpsMonitor,
+    FrameSource,
     GuardedTopic,
     InteractionGraph,
     Mode,
     Plan,
     WatchedFlow,
     names_node,
+    normalise_type,
 )
 
 
@@ -40,6 +46,16 @@ class _App:
     def subscribers(self, topic: str) -> tuple[str, ...]:
         return tuple(sorted({e.node for e in self.graph.subscribers(topic)}))
 
+    def types(self, topic: str) -> tuple[str, ...]:
+        """Return the known types of a topic, as ROS 1 spells them."""
+        ends = (*self.graph.publishers(topic), *self.graph.subscribers(topic))
+        types = [*(end.type for end in ends), *self._declared.get(topic, ())]
+        return tuple(sorted({normalise_type(name) for name in types if name and TYPE.fits(name)}))
+
+    @cached_property
+    def _declared(self) -> dict[str, tuple[str, ...]]:
+        return {topic.name: topic.types for topic in self.graph.topics}
+
     @cached_property
     def actions(self) -> frozenset[str]:
         return action_topics(self.graph)
@@ -52,24 +68,45 @@ class _Guard:
     where: str
     mode: Mode
     topic: str
+    type: str
     flows: Sequence[Flow]
     successors: Sequence[str]
 
 
-def check_plan(plan: Plan, graph: InteractionGraph) -> tuple[Problem, ...]:
-    """Return what is wrong between a plan and a graph, errors and warnings in the plan's order."""
-    app = _App(graph)
-    found = [problem for guard in _guards(plan) for problem in _check_guard(guard, app)]
-    found += [p for where, flow in _watched(plan) for p in _check_watched(where, flow, app)]
+def check_plan(plan: Plan, graph: InteractionGraph | None = None) -> tuple[Problem, ...]:
+    """Return what is odd in a plan, and what is wrong between it and a graph if there is one.
+
+    Errors and warnings stand in the plan's order, those of the rules last.
+    """
+    found = [*(_between(plan, _App(graph)) if graph else ()), *_doubts(plan)]
+    return tuple(dict.fromkeys(found))
+
+
+def _between(plan: Plan, app: _App) -> Iterator[Problem]:
+    for guard in _guards(plan):
+        yield from _check_guard(guard, app)
+    for where, flow in _watched(plan):
+        yield from _check_watched(where, flow, app)
+    for monitor in plan.fps_monitor:
+        yield from _check_source(monitor, app)
     for grcn in plan.grcn:
         if grcn.done:
-            found += _check_topic(f"GRCN {grcn.id}, done", grcn.done, app)
-    return tuple(dict.fromkeys(found))
+            yield from _check_topic(f"GRCN {grcn.id}, done", grcn.done, app)
+
+
+def _doubts(plan: Plan) -> Iterator[Problem]:
+    if plan.msrcn is None or not plan.msrcn.rules:
+        return
+    from rtron.planning.expressions import doubts  # noqa: PLC0415 - seldom needed
+
+    for name, message in doubts(plan.msrcn):
+        yield Problem(Level.WARNING, f"MSRCN, rule {name}", message)
 
 
 def _guards(plan: Plan) -> Iterator[_Guard]:
     for grcn in plan.grcn:
-        yield _Guard(f"GRCN {grcn.id}", grcn.mode, grcn.topic, grcn.flows, grcn.successors)
+        where = f"GRCN {grcn.id}"
+        yield _Guard(where, grcn.mode, grcn.topic, grcn.type, grcn.flows, grcn.successors)
     if plan.rsrcn:
         yield from _of("RSRCN", plan.rsrcn.mode, plan.rsrcn.vflows)
     if plan.msrcn:
@@ -78,17 +115,20 @@ def _guards(plan: Plan) -> Iterator[_Guard]:
 
 def _of(kind: str, mode: Mode, topics: Sequence[GuardedTopic]) -> Iterator[_Guard]:
     for one in topics:
-        yield _Guard(f"{kind} on {one.topic}", mode, one.topic, one.flows, one.successors)
+        where = f"{kind} on {one.topic}"
+        yield _Guard(where, mode, one.topic, one.type, one.flows, one.successors)
 
 
-def _watched(plan: Plan) -> Iterator[tuple[str, WatchedFlow]]:
+def _watched(plan: Plan) -> Iterator[tuple[str, WatchedFlow | EventFlow]]:
     iflows = plan.rsrcn.iflows if plan.rsrcn else ()
     eflows = plan.msrcn.eflows if plan.msrcn else ()
-    for kind, flows in (("RSRCN", iflows), ("MSRCN", eflows)):
-        yield from ((f"{kind}, {flow.name}", flow) for flow in flows)
+    yield from ((f"RSRCN, {flow.name}", flow) for flow in iflows)
+    yield from ((f"MSRCN, {flow.name}", flow) for flow in eflows)
     for monitor in plan.fps_monitor:
         flow = WatchedFlow(name=monitor.id, topic=monitor.topic, publisher=monitor.node)
         yield f"fps_monitor {monitor.id}", flow
+        if monitor.camera:
+            yield f"fps_monitor {monitor.id}, camera", monitor.camera
 
 
 def _check_guard(guard: _Guard, app: _App) -> Iterator[Problem]:
@@ -96,6 +136,7 @@ def _check_guard(guard: _Guard, app: _App) -> Iterator[Problem]:
     if unknown:
         yield from unknown
         return
+    yield from _check_type(guard.where, guard.topic, guard.type, app)
     for flow in guard.flows:
         yield from _check_publisher(f"{guard.where}, {flow.name}", flow.publisher, guard.topic, app)
     yield from _check_successors(guard, app)
@@ -105,9 +146,29 @@ def _check_guard(guard: _Guard, app: _App) -> Iterator[Problem]:
         yield Problem(Level.WARNING, guard.where, f"{guard.topic} is one topic of an action: {why}")
 
 
-def _check_watched(where: str, flow: WatchedFlow, app: _App) -> Iterator[Problem]:
+def _check_watched(where: str, flow: WatchedFlow | EventFlow, app: _App) -> Iterator[Problem]:
     unknown = list(_check_topic(where, flow.topic, app))
     yield from unknown or _check_publisher(where, flow.publisher, flow.topic, app)
+    if isinstance(flow, EventFlow):
+        yield from _check_type(where, flow.topic, flow.type, app)
+
+
+def _check_type(where: str, topic: str, planned: str, app: _App) -> Iterator[Problem]:
+    used = app.types(topic)
+    if planned and used and normalise_type(planned) not in used:
+        message = f"{topic} carries {' and '.join(used)}, not {planned}"
+        yield Problem(Level.ERROR, where, message)
+
+
+def _check_source(monitor: FpsMonitor, app: _App) -> Iterator[Problem]:
+    """Warn where a monitor counts as frames what may come only when something is seen."""
+    types = app.types(monitor.topic)
+    if monitor.source is FrameSource.FRAMES and types and not any(map(is_per_frame, types)):
+        where = f"fps_monitor {monitor.id}"
+        why = "if it comes only when something is seen, an empty scene would freeze the robot"
+        help = "say `source: detections`, or name a topic that comes with every frame"
+        message = f"{monitor.topic} carries no images ({' and '.join(types)}): {why}; {help}"
+        yield Problem(Level.WARNING, where, message)
 
 
 def _check_topic(where: str, topic: str, app: _App) -> Iterator[Problem]:

@@ -53,7 +53,7 @@ def _left_out(noun: type, values: Mapping[str, Any]) -> dict[str, Any]:
         Plan: {"app": ""},
         GuardedTopic: {"type": ""},
         RSRCN: {"id": "rsrcn"},
-        MSRCN: {"id": "msrcn"},
+        MSRCN: {"id": "msrcn", "policy": PolicyName.BLOCK},
     }.get(noun, {})
 
 

@@ -10,12 +10,16 @@ from itertools import count
 
 from rtron.planning.derive import node_id, with_distinct_ids
 from rtron.planning.form import NODE
+from rtron.planning.frames import is_image
 from rtron.planning.site import Site
 from rtron.vocabulary import (
     MSRCN,
     RSRCN,
+    SECOND,
+    EventFlow,
     Flow,
     FpsMonitor,
+    FrameSource,
     GuardedTopic,
     Mode,
     PolicyName,
@@ -27,7 +31,7 @@ from rtron.vocabulary import (
     without_stamp,
 )
 
-_IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
+SEEN = 2 * SECOND
 _VELOCITY = "geometry_msgs/Twist"
 _Guarded = tuple[Mode, tuple[GuardedTopic, ...]]
 
@@ -35,11 +39,32 @@ _Guarded = tuple[Mode, tuple[GuardedTopic, ...]]
 def fps_monitors(site: Site) -> tuple[FpsMonitor, ...]:
     """Return a monitor for each image node, on the topic that it publishes for every frame."""
     return with_distinct_ids(
-        FpsMonitor(id=node_id("fps", node), node=node, topic=_per_frame(site, risk, node))
+        _monitor(site, node, _per_frame(site, risk, node))
         for risk in site.risks(Role.IMAGE)
         for node in filter(NODE.fits, risk.role_nodes[Role.IMAGE])
         if any(map(site.can_guard, risk.topics))
     )
+
+
+def _monitor(site: Site, node: str, topic: str) -> FpsMonitor:
+    """Return a monitor; what it counts on a topic without images are only detections."""
+    return FpsMonitor(
+        id=node_id("fps", node),
+        node=node,
+        topic=topic,
+        source=FrameSource.FRAMES if is_image(site.type_of(topic)) else FrameSource.DETECTIONS,
+        camera=_camera(site, node),
+    )
+
+
+def _camera(site: Site, node: str) -> WatchedFlow | None:
+    """Return the one image topic that a node hears, where one other node publishes it."""
+    heard = {e.topic for e in site.graph.subscribed_by(node) if is_image(e.type)}
+    for topic in filter(site.can_guard, heard) if len(heard) == 1 else ():
+        publishers = {e.node for e in site.graph.publishers(topic)}
+        if len(publishers) == 1 and publishers != {node} and all(map(NODE.fits, publishers)):
+            return WatchedFlow(name="camera", topic=topic, publisher=publishers.pop())
+    return None
 
 
 def propose_rsrcn(
@@ -60,7 +85,10 @@ def propose_rsrcn(
         mode=mode,
         policy=PolicyName.BLOCK,
         vflows=vflows,
-        iflows=_watched("iflow", ((monitor.topic, monitor.node) for monitor in monitors)),
+        iflows=tuple(
+            WatchedFlow(name=f"iflow{number}", topic=monitor.topic, publisher=monitor.node)
+            for number, monitor in enumerate(monitors, start=1)
+        ),
     )
 
 
@@ -74,14 +102,21 @@ def propose_msrcn(site: Site, enforced: Collection[str]) -> MSRCN | None:
         return None
     mode, aflows = _guarded(site, _obeyed(site, Role.ACTION), enforced, "aflow")
     recognised = (pair for pair in _told(site, Role.IMAGE) if _is_acted_on(site, pair[0]))
-    events = dict.fromkeys((*_told(site, Role.EVENT), *recognised))
+    actions = {guarded.topic for guarded in aflows}
+    told = dict.fromkeys((*_told(site, Role.EVENT), *recognised))
+    events = [(topic, node) for topic, node in told if topic not in actions]
     return MSRCN(
         id="msrcn",
         mode=mode,
         policy=PolicyName.BLOCK,
         aflows=aflows,
-        eflows=_watched("eflow", events),
+        eflows=tuple(_eflow(site, f"eflow{n}", *event) for n, event in enumerate(events, start=1)),
     )
+
+
+def _eflow(site: Site, name: str, topic: str, node: str) -> EventFlow:
+    """Return an event whose bit is 1 while it is seen: what it says, only a person can judge."""
+    return EventFlow(name=name, topic=topic, publisher=node, type=site.type_of(topic), present=SEEN)
 
 
 def _per_frame(site: Site, risk: Risk, node: str) -> str:
@@ -102,7 +137,7 @@ def _is_velocity(site: Site, topic: str) -> bool:
 
 
 def _is_image(site: Site, topic: str) -> bool:
-    return normalise_type(site.type_of(topic)) in _IMAGES
+    return is_image(site.type_of(topic))
 
 
 def _told(site: Site, role: Role) -> Iterator[tuple[str, str]]:
@@ -114,13 +149,6 @@ def _told(site: Site, role: Role) -> Iterator[tuple[str, str]]:
 
 def _is_acted_on(site: Site, topic: str) -> bool:
     return bool(site.successors(topic)) and not _is_image(site, topic)
-
-
-def _watched(prefix: str, flows: Iterable[tuple[str, str]]) -> tuple[WatchedFlow, ...]:
-    return tuple(
-        WatchedFlow(name=f"{prefix}{number}", topic=topic, publisher=node)
-        for number, (topic, node) in enumerate(flows, start=1)
-    )
 
 
 def _guarded(site: Site, topics: Sequence[str], enforced: Collection[str], prefix: str) -> _Guarded:

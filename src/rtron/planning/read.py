@@ -1,8 +1,9 @@
 """The plan file `rtron.yaml`, read and checked as a whole before anything uses it."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
-from rtron.planning.coherence import misfits
+from rtron.planning.coherence import Misfit, misfits
 from rtron.planning.faults import Faults
 from rtron.planning.reader import Reader
 from rtron.planning.yaml_text import compose, read_text
@@ -19,7 +20,22 @@ def parse_plan(text: str, path: str = "rtron.yaml") -> Plan:
     faults = Faults(path)
     reader = Reader(faults)
     plan = reader.noun(compose(text, path), Plan) or Plan(app="")
-    for noun, key, message in misfits(plan):
+    for noun, key, message in (*misfits(plan), *_expression_misfits(plan)):
         faults.add(reader.line(noun, key), message)
     faults.raise_if_any()
     return plan
+
+
+def has_expressions(plan: Plan) -> bool:
+    """Tell whether a plan has expressions, or definitions for them."""
+    events = plan.msrcn.eflows if plan.msrcn else ()
+    rules = plan.msrcn.rules if plan.msrcn else ()
+    return bool(plan.messages or rules or any(flow.when for flow in events))
+
+
+def _expression_misfits(plan: Plan) -> Iterable[Misfit]:
+    if not has_expressions(plan):
+        return ()
+    from rtron.planning.expressions import expression_misfits  # noqa: PLC0415 - seldom needed
+
+    return expression_misfits(plan)

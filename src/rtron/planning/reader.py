@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import yaml
 
 from rtron.planning.derive import derived
-from rtron.planning.durations import parse_duration
+from rtron.planning.durations import parse_duration, write_duration
 from rtron.planning.faults import Faults, shown, suggestion
 from rtron.planning.form import NOUNS, Key, keys
 
@@ -83,14 +83,14 @@ class Reader:
         return tuple(item for item in items if not isinstance(item, _Wrong))
 
     def _item(self, node: yaml.Node, key: Key) -> Any:  # noqa: ANN401 - as the key says
+        if key.optional and node.tag == _TAG + "null":
+            return None
         if key.item in NOUNS:
             made = self.noun(node, key.item)
             return _Wrong() if made is None else made
         if not isinstance(node, yaml.ScalarNode):
             self._fault(node, f"{key.name} is a single value")
             return _Wrong()
-        if key.optional and node.tag == _TAG + "null":
-            return None
         try:
             return _scalar(node, key)
         except ValueError as error:
@@ -103,7 +103,9 @@ class Reader:
 
 def _scalar(node: yaml.ScalarNode, key: Key) -> Any:  # noqa: ANN401 - as the key says
     if key.duration:
-        return parse_duration(node.value)
+        return _duration(node.value, key.range)
+    if key.quantity:
+        return key.quantity.parse(node.value)
     if key.item is bool:
         return _boolean(node.value)
     if key.item is int:
@@ -111,6 +113,16 @@ def _scalar(node: yaml.ScalarNode, key: Key) -> Any:  # noqa: ANN401 - as the ke
     if issubclass(key.item, Enum):
         return _word(node.value, key.item)
     return _text(node, key)
+
+
+def _duration(text: str, limits: tuple[int, int]) -> int:
+    least, greatest = limits
+    duration = parse_duration(text)
+    if duration < least or duration > greatest:
+        bounds = f"{write_duration(least)} and {write_duration(greatest)}"
+        told = f"not between {bounds}" if least > 1 else "no time at all"
+        raise ValueError(f"{shown(text)} is {told}")
+    return duration
 
 
 def _boolean(text: str) -> bool:

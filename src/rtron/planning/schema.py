@@ -5,15 +5,8 @@ from typing import Any
 
 from rtron.planning.durations import UNITS
 from rtron.planning.form import NOUNS, Key, keys
-from rtron.vocabulary import PLAN_SCHEMA, Plan
-
-_DURATION = {
-    "anyOf": [
-        {"type": "number", "minimum": 0},
-        {"type": "string", "pattern": rf"^[0-9]+(\.[0-9]+)? ?({'|'.join(UNITS)})?$"},
-    ],
-    "description": "seconds, or a number with a unit",
-}
+from rtron.planning.quantities import Quantity
+from rtron.vocabulary import PLAN_SCHEMA, SECOND, Plan
 
 
 def plan_json_schema() -> dict[str, Any]:
@@ -49,19 +42,46 @@ def _property(key: Key) -> dict[str, Any]:
 def _item(key: Key) -> dict[str, Any]:
     if key.item in NOUNS:
         return {"$ref": f"#/$defs/{key.item.__name__}"}
-    if key.duration:
-        return _DURATION
     if key.item is bool:
         return {"type": "boolean"}
-    if key.item is int:
-        least, greatest = key.range
-        return {"type": "integer", "minimum": least, "maximum": greatest}
+    if key.item in (int, float):
+        return _number(key)
     if issubclass(key.item, Enum):
         return {"enum": [str(word.value) for word in key.item]}
-    text = key.text
     return {
         "type": "string",
-        "pattern": f"^{text.pattern}$",
-        "maxLength": text.longest,
-        "description": text.words,
+        "pattern": f"^{key.text.pattern}$",
+        "maxLength": key.text.longest,
+        "description": key.text.words,
+    }
+
+
+def _number(key: Key) -> dict[str, Any]:
+    if key.duration:
+        return _duration(key.range)
+    if key.quantity:
+        return _quantity(key.quantity)
+    least, greatest = key.range
+    return {"type": "integer", "minimum": least, "maximum": greatest}
+
+
+def _duration(limits: tuple[int, int]) -> dict[str, Any]:
+    least, greatest = (bound / SECOND for bound in limits)
+    written = rf"^[0-9]+(\.[0-9]+)? ?({'|'.join(UNITS)})?$"
+    return {
+        "anyOf": [
+            {"type": "number", "minimum": least, "maximum": greatest},
+            {"type": "string", "pattern": written},
+        ],
+        "description": "seconds, or a number with a unit",
+    }
+
+
+def _quantity(quantity: Quantity) -> dict[str, Any]:
+    return {
+        "anyOf": [
+            {"type": "number", "minimum": quantity.least, "maximum": quantity.greatest},
+            {"type": "string", "pattern": f"^{quantity.pattern}$"},
+        ],
+        "description": f"a {quantity.words} in {quantity.unit}, or a number with a unit",
     }

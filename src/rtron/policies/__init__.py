@@ -2,30 +2,34 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.errors import PlanError
 from rtron.policies.block import Block
+from rtron.policies.constrain import Constrain
 from rtron.policies.fifo_queue import FIFOQueue
 from rtron.policies.policy import Policy, Release
 from rtron.policies.preemption import Preemption
 from rtron.policies.priority_queue import PriorityQueue
+from rtron.policies.rates import Rates
+from rtron.policies.safe import Safe
+from rtron.policies.safe_constrain import SafeConstrain
 from rtron.vocabulary import PolicyName, PolicySettings
 
-__all__ = ["POLICIES", "Policy", "Release", "build"]
+__all__ = ["POLICIES", "Policy", "Rates", "Release", "build"]
 
-POLICIES: Mapping[PolicyName, Callable[[PolicySettings], Policy]] = {
+_PLAIN: Mapping[PolicyName, Callable[[PolicySettings], Policy]] = {
     PolicyName.BLOCK: Block,
     PolicyName.FIFO_QUEUE: FIFOQueue,
     PolicyName.PRIORITY_QUEUE: PriorityQueue,
     PolicyName.PREEMPTION: Preemption,
 }
+_LIMITS: Mapping[PolicyName, Callable[[PolicySettings, Rates], Policy]] = {
+    PolicyName.SAFE: Safe,
+    PolicyName.CONSTRAIN: Constrain,
+    PolicyName.SAFE_CONSTRAIN: SafeConstrain,
+}
+POLICIES: Mapping[PolicyName, Callable[..., Policy]] = {**_PLAIN, **_LIMITS}
 
 
-def build(settings: PolicySettings) -> Policy:
-    """Return the policy that `settings` name."""
-    policy = POLICIES.get(settings.policy)
-    if policy is None:
-        available = ", ".join(POLICIES)
-        raise PlanError(
-            f"the policy {settings.policy} is not available yet", help=f"choose from {available}"
-        )
-    return policy(settings)
+def build(settings: PolicySettings, rates: Rates | None = None) -> Policy:
+    """Return the policy that `settings` name; `rates` are what Safe is about."""
+    limit = _LIMITS.get(settings.policy)
+    return limit(settings, rates or Rates()) if limit else _PLAIN[settings.policy](settings)

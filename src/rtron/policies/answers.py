@@ -22,9 +22,11 @@ class Answers:
             verdict = self._last[flow] = self.once(flow, reason)
         return verdict
 
-    def once(self, flow: str, reason: str) -> Verdict:
+    def once(
+        self, flow: str, reason: str, message: object = None, *, error: bool = False
+    ) -> Verdict:
         """Return a verdict that will hardly be given again, without keeping it."""
-        return Verdict(self._decision, flow, self._policy, reason, self._revision)
+        return Verdict(self._decision, flow, self._policy, reason, self._revision, message, error)
 
 
 class Gate:

@@ -18,6 +18,9 @@ class Effect(Named):
     PASS = "the message passes"  # noqa: S105 (no password)
     HOLD = "the message waits"
     DROP = "the message is dropped"
+    MODIFY = "the message goes on changed"
+    REISSUE = "what was asked for last goes out again"
+    STOP = "the stop wave begins"
     LET_GO = "the next waiting message goes"
     NOTHING = "nothing"
     NEVER = "cannot arise"

@@ -24,12 +24,17 @@ class Release:
 class Policy(Protocol):
     """One coordination node's rule for one topic.
 
-    `message` is a handle that the policy keeps while it holds the message and never looks into.
+    `message` is a handle that the policy keeps while it holds the message and never looks into;
+    only those that limit a velocity are given a `Velocity`.
     A message of a flow that the settings do not name is dropped.
     """
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Decide about a message of `flow` that arrived at `now`."""
+        ...
+
+    def refusal(self, flow: str, now: int) -> Verdict | None:
+        """Return what every message of `flow` is dropped with at `now`, whatever it says."""
         ...
 
     def observe_done(self, now: int) -> None:

@@ -118,6 +118,10 @@ class Preemption:
         answers = self._pass if self._step(speaker, owner) is Effect.PASS else self._drop
         return answers.give(flow, self._reasons[owner.flow.name])
 
+    def refusal(self, flow: str, now: int) -> Verdict | None:  # noqa: ARG002
+        """Return the refusal of a flow that is blocked or unknown."""
+        return None if flow in self._gate.flows else self._gate.refusal(flow)
+
     def observe_done(self, now: int) -> None:
         """Nothing is in progress here: a flow gives up the output by silence alone."""
 

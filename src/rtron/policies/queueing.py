@@ -92,6 +92,10 @@ class Queue:
             return self._hold.give(flow, reason)
         return self._drop.give(flow, f"the queue is full ({self._queue_size})")
 
+    def refusal(self, flow: str, now: int) -> Verdict | None:  # noqa: ARG002
+        """Return the refusal of a flow that is blocked or unknown."""
+        return None if flow in self._gate.flows else self._gate.refusal(flow)
+
     def observe_done(self, now: int) -> None:
         """End the turn: what the output was taken for is done."""
         self._turn.end(now)

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from rtron.vocabulary import (
+    EventFlow,
     GuardedTopic,
     InteractionGraph,
     Plan,
@@ -51,7 +52,9 @@ def numbers(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> N
 
 
 def _planned(plan: Plan) -> list[str]:
-    topics = [grcn.topic for grcn in plan.grcn] + [monitor.topic for monitor in plan.fps_monitor]
+    topics = [grcn.topic for grcn in plan.grcn]
+    for monitor in plan.fps_monitor:
+        topics += [monitor.topic, *([monitor.camera.topic] if monitor.camera else [])]
     if plan.rsrcn:
         topics += _coordinated(plan.rsrcn.vflows, plan.rsrcn.iflows)
     if plan.msrcn:
@@ -59,7 +62,9 @@ def _planned(plan: Plan) -> list[str]:
     return topics
 
 
-def _coordinated(guards: Sequence[GuardedTopic], watches: Sequence[WatchedFlow]) -> list[str]:
+def _coordinated(
+    guards: Sequence[GuardedTopic], watches: Sequence[WatchedFlow | EventFlow]
+) -> list[str]:
     return [guard.topic for guard in guards] + [watch.topic for watch in watches]
 
 

@@ -4,12 +4,21 @@ from collections.abc import Sequence
 from typing import Any
 
 from rtron.reports.html_names import Numbers
+from rtron.reports.plan_words import (
+    area_words,
+    event_words,
+    flow_words,
+    limit_words,
+    monitor_words,
+    rule_words,
+    transform_words,
+)
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
     RSRCN,
-    SECOND,
     CoordinationKind,
+    EventFlow,
     Flow,
     FpsMonitor,
     GuardedTopic,
@@ -40,33 +49,41 @@ def _grcn(node: GRCN, names: Numbers) -> dict[str, Any]:
 
 
 def _rsrcn(node: RSRCN, names: Numbers) -> dict[str, Any]:
-    return {"kind": CoordinationKind.RSRCN.value} | _coordination(
-        node, node.vflows, node.iflows, names
-    )
+    watches = [_watched(flow, names) for flow in node.iflows]
+    return {
+        "kind": CoordinationKind.RSRCN.value,
+        "terms": list(limit_words(node)),
+    } | _coordination(node, node.vflows, watches, names)
 
 
 def _msrcn(node: MSRCN, names: Numbers) -> dict[str, Any]:
-    return {"kind": CoordinationKind.MSRCN.value} | _coordination(
-        node, node.aflows, node.eflows, names
-    )
+    watches = [_watched(flow, names, event_words(flow)) for flow in node.eflows]
+    areas = [f"area {area.name}: {area_words(area)}" for area in node.areas]
+    return {
+        "kind": CoordinationKind.MSRCN.value,
+        "terms": [*areas, *map(transform_words, node.transforms)],
+        "rules": [[rule.name, rule_words(rule), rule.reason] for rule in node.rules],
+    } | _coordination(node, node.aflows, watches, names)
 
 
 def _fps_monitor(node: FpsMonitor, names: Numbers) -> dict[str, Any]:
-    flow = WatchedFlow(name="frames", topic=node.topic, publisher=node.node)
+    frames = WatchedFlow(name=node.source.value, topic=node.topic, publisher=node.node)
+    seen = [node.camera] if node.camera else []
     return {
         "kind": CoordinationKind.FPS_MONITOR.value,
         "id": node.id,
         "mode": "",
         "policy": "",
+        "terms": [monitor_words(node)],
         "guards": [],
-        "watches": [_watched(flow, names)],
+        "watches": [_watched(flow, names) for flow in (frames, *seen)],
     }
 
 
 def _coordination(
     node: GRCN | RSRCN | MSRCN,
     guards: Sequence[GuardedTopic],
-    watches: Sequence[WatchedFlow],
+    watches: Sequence[dict[str, Any]],
     names: Numbers,
 ) -> dict[str, Any]:
     return {
@@ -74,7 +91,7 @@ def _coordination(
         "mode": node.mode.value,
         "policy": node.policy.value,
         "guards": [_guarded(topic, names) for topic in guards],
-        "watches": [_watched(flow, names) for flow in watches],
+        "watches": list(watches),
     }
 
 
@@ -91,16 +108,16 @@ def _flow(flow: Flow, names: Numbers) -> dict[str, Any]:
         "name": flow.name,
         "publisher": flow.publisher,
         "nodes": names.meant_by(flow.publisher),
-        "priority": flow.priority,
         "block": flow.block,
-        "timeout": None if flow.timeout is None else flow.timeout / SECOND,
+        "terms": flow_words(flow),
     }
 
 
-def _watched(flow: WatchedFlow, names: Numbers) -> dict[str, Any]:
+def _watched(flow: WatchedFlow | EventFlow, names: Numbers, note: str = "") -> dict[str, Any]:
     return {
         "name": flow.name,
         "topic": names.topics[flow.topic],
         "publisher": flow.publisher,
         "nodes": names.meant_by(flow.publisher),
+        "note": note,
     }

@@ -5,20 +5,30 @@ from itertools import chain
 
 from rich.text import Text
 
-from rtron.reports.lines import Page, Report, columns, counted, heading, line
+from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.plan_words import (
+    area_words,
+    event_words,
+    flow_words,
+    limit_words,
+    monitor_words,
+    one_line,
+    rule_words,
+    stop_words,
+    transform_words,
+)
 from rtron.reports.problems_text import Remark, remark_lines
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
     RSRCN,
-    SECOND,
     UNAPPROVED,
     Flow,
     FpsMonitor,
     GuardedTopic,
     Mode,
     Plan,
-    WatchedFlow,
+    Stop,
 )
 
 _MODE_STYLE = {Mode.ENFORCE: "bold green", Mode.OBSERVE: "yellow"}
@@ -35,10 +45,11 @@ def _lines(plan: Plan, next_step: str, remarks: Sequence[Remark], page: Page) ->
     yield line((plan.app or "app", "bold"), f"  plan for ROS {plan.ros}, revision {plan.revision}")
     yield line(_summary(plan))
     yield from chain.from_iterable(_grcn(g) for g in plan.grcn if g.mode is Mode.ENFORCE)
-    yield from _rsrcn(plan.rsrcn) if plan.rsrcn else ()
-    yield from _msrcn(plan.msrcn) if plan.msrcn else ()
+    yield from _rsrcn(plan.rsrcn, page) if plan.rsrcn else ()
+    yield from _msrcn(plan.msrcn, page) if plan.msrcn else ()
     yield from _observed([g for g in plan.grcn if g.mode is Mode.OBSERVE])
     yield from _fps_monitors(plan.fps_monitor)
+    yield from _stop(plan.stop)
     if remarks:
         yield from heading(f"Left out ({len(remarks)})")
         yield from remark_lines(remarks, page)
@@ -74,23 +85,41 @@ def _observed(nodes: Sequence[GRCN]) -> Iterator[Text]:
     yield from columns(rows, ("cyan",), indent=2)
 
 
-def _rsrcn(node: RSRCN) -> Iterator[Text]:
+def _rsrcn(node: RSRCN, page: Page) -> Iterator[Text]:
     yield from _title("RSRCN", node)
+    yield from paragraph(", ".join(limit_words(node)), page, indent=2)
     yield from chain.from_iterable(_guarded(topic) for topic in node.vflows)
-    yield from _watched(node.iflows)
+    rows = [(flow.name, flow.publisher, f"watched on {flow.topic}") for flow in node.iflows]
+    yield from columns(rows, _CELL_STYLES, indent=2)
 
 
-def _msrcn(node: MSRCN) -> Iterator[Text]:
+def _msrcn(node: MSRCN, page: Page) -> Iterator[Text]:
     yield from _title("MSRCN", node)
     yield from chain.from_iterable(_guarded(topic) for topic in node.aflows)
-    yield from _watched(node.eflows)
+    for flow in node.eflows:
+        yield line((flow.name, "cyan"), f"  {flow.publisher}  event on {flow.topic}", indent=2)
+        yield from paragraph(event_words(flow), page, indent=4, style="dim")
+    for rule in node.rules:
+        yield line("rule ", (rule.name, "cyan"), indent=2)
+        yield from paragraph(rule_words(rule), page, indent=4)
+        yield from paragraph(one_line(rule.reason), page, indent=4, style="dim")
+    rows = [("area", area.name, area_words(area)) for area in node.areas]
+    yield from columns(rows, ("", "cyan", "dim"), indent=2)
+    yield from (line(transform_words(one), indent=2) for one in node.transforms)
 
 
 def _fps_monitors(monitors: Sequence[FpsMonitor]) -> Iterator[Text]:
     if monitors:
         yield from heading(f"fps_monitor ({len(monitors)})")
-    rows = [(monitor.node, "on", monitor.topic) for monitor in monitors]
-    yield from columns(rows, ("cyan", "dim"), indent=2)
+    for monitor in monitors:
+        yield line((monitor.node, "cyan"), ("  on  ", "dim"), monitor.topic, indent=2)
+        yield line((monitor_words(monitor), "dim"), indent=4)
+
+
+def _stop(stop: Stop) -> Iterator[Text]:
+    if stop != Stop():
+        yield from heading("Stop")
+        yield line(stop_words(stop), indent=2)
 
 
 def _title(kind: str, node: GRCN | RSRCN | MSRCN) -> Iterable[Text]:
@@ -103,23 +132,14 @@ def _guarded(topic: GuardedTopic) -> Iterator[Text]:
     yield from columns(_flow_rows(topic.flows) + _to(topic.successors), _CELL_STYLES, indent=4)
 
 
-def _watched(flows: Sequence[WatchedFlow]) -> list[Text]:
-    rows = [(flow.name, flow.publisher, f"watched on {flow.topic}") for flow in flows]
-    return columns(rows, _CELL_STYLES, indent=2)
-
-
 def _flow_rows(flows: Sequence[Flow]) -> _Rows:
-    return [(flow.name, flow.publisher, _state(blocked=flow.block), _terms(flow)) for flow in flows]
+    return [
+        (flow.name, flow.publisher, _state(blocked=flow.block), flow_words(flow)) for flow in flows
+    ]
 
 
 def _state(*, blocked: bool) -> str:
     return "block" if blocked else "pass"
-
-
-def _terms(flow: Flow) -> str:
-    priority = f"priority {flow.priority}" if flow.priority else ""
-    timeout = "" if flow.timeout is None else f"timeout {flow.timeout / SECOND:g} s"
-    return ", ".join(filter(None, (priority, timeout)))
 
 
 def _to(successors: Sequence[str]) -> _Rows:

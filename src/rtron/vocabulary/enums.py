@@ -166,6 +166,40 @@ class PolicyName(Word):
     PREEMPTION = "Preemption"
     SAFE = "Safe"
     CONSTRAIN = "Constrain"
+    SAFE_CONSTRAIN = "Safe+Constrain"
+
+
+class OnSilence(Word):
+    """What the guard does when a flow that moved the robot falls silent."""
+
+    STOP = "stop"
+    RELEASE = "release"
+
+
+class OnError(Word):
+    """What the guard does about a message that it cannot judge: it never passes."""
+
+    STOP = "stop"
+    DROP = "drop"
+
+
+class WhenUnknown(Word):
+    """What an eflow's bit counts as while nobody knows it.
+
+    `block`: what depends on it is blocked; `set`, `clear`: 1, 0; `keep`: the last one known.
+    """
+
+    BLOCK = "block"
+    SET = "set"
+    CLEAR = "clear"
+    KEEP = "keep"
+
+
+class FrameSource(Word):
+    """What an fps_monitor counts: each frame, or detections only, where there is nothing better."""
+
+    FRAMES = "frames"
+    DETECTIONS = "detections"
 
 
 class Executor(Word):

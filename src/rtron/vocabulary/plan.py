@@ -1,16 +1,21 @@
 """The Plan (`rtron.yaml`): coordination nodes, their flows and policies (paper section 5).
 
-All durations are integer nanoseconds; the file gives seconds or a number with a unit.
+All durations are integer nanoseconds; the file gives seconds or a number with a unit. All other
+quantities are floats in SI units: m, m/s, m/s2, rad, rad/s2, and metres per frame.
 """
 
 from dataclasses import dataclass
 
 from rtron.vocabulary.enums import (
     Domain,
+    FrameSource,
     Mode,
+    OnError,
+    OnSilence,
     PolicyName,
     Sharing,
     StreamKind,
+    WhenUnknown,
 )
 
 PLAN_SCHEMA = "rtron.plan/1"
@@ -24,7 +29,8 @@ class Flow:
 
     `publisher` is a node name, or a pattern with `*` for anonymous names. A higher `priority`
     goes first. `timeout` (ns) is how long others wait for this flow (Priority_Queue) or how long
-    its action may take (FIFO_Queue).
+    its action may take (FIFO_Queue). `on_silence` is what happens when the flow has moved the robot
+    and then says nothing for `silent_after` (ns), `on_error` when a message cannot be judged.
     """
 
     name: str
@@ -32,15 +38,43 @@ class Flow:
     priority: int = 0
     block: bool = False
     timeout: int | None = None
+    silent_after: int = SECOND // 2
+    on_silence: OnSilence = OnSilence.STOP
+    on_error: OnError = OnError.STOP
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WatchedFlow:
-    """A flow that is only read: `iflow` (an image node's rate) or `eflow` (an event)."""
+    """A flow that is only read: an image node's frames (`iflow`), or a camera's."""
 
     name: str
     topic: str
     publisher: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EventFlow:
+    """An event (`eflow`) and what sets its bit (paper section 5.3).
+
+    `when` is an expression over the fields of `event`: the bit is 1 while it holds for the newest
+    message, which counts for `max_age` (ns). With `present` (ns) the bit is 1 for that time after
+    a message for which `when` holds; with `silent` (ns) it is 1 when there was none for that time.
+    Without `when` every message counts. `frame` is the frame that positions are compared in.
+    `on_silence`: nobody knows the bit, since the newest message is too old, none ever came, or the
+    publisher is gone; `on_error`: the newest message cannot be judged.
+    """
+
+    name: str
+    topic: str
+    publisher: str
+    type: str = ""
+    when: str = ""
+    present: int | None = None
+    silent: int | None = None
+    max_age: int = 2 * SECOND
+    frame: str = ""
+    on_silence: WhenUnknown = WhenUnknown.BLOCK
+    on_error: WhenUnknown = WhenUnknown.BLOCK
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,22 +117,84 @@ class GRCN:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FpsMonitor:
-    """Measures the frame rate of one image node on the topic it publishes per frame."""
+    """Measures the frame rate of one image node on the topic it publishes per frame.
+
+    The rate is that of the last `window` (ns), and no higher than the `camera`'s; a node that is
+    silent for `silent_after` (ns) has none.
+    """
 
     id: str
     node: str
     topic: str
+    source: FrameSource = FrameSource.FRAMES
+    window: int = SECOND
+    silent_after: int = SECOND
+    camera: WatchedFlow | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RSRCN:
-    """The robot-specific risk coordination node: one an app, before the users of max velocity."""
+    """The robot-specific risk coordination node: one an app, before the users of max velocity.
+
+    Safe: the velocity is at most `threshold` (metres per frame) times the least frame rate of the
+    fps_monitors, and `lowest` (m/s) where one is silent. Constrain: at most `max_vel_limit` (m/s).
+    """
 
     id: str
     mode: Mode
     policy: PolicyName
+    threshold: float | None = None
+    max_vel_limit: float | None = None
+    lowest: float = 0.0
     vflows: tuple[GuardedTopic, ...] = ()
     iflows: tuple[WatchedFlow, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """A place on the ground, in metres."""
+
+    x: float
+    y: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Area:
+    """A named polygon in a frame; expressions call it by its name."""
+
+    name: str
+    frame: str
+    polygon: tuple[Point, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transform:
+    """Where the frame `source` lies in the frame `target`: first turned by `yaw`, then moved."""
+
+    source: str
+    target: str
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rule:
+    """What the robot must not do, and when (paper section 4.3, table of examples).
+
+    `when` is any boolean combination of eflow names. While it holds, the aflows that `block` names,
+    or the topics, are blocked; with `action`, an expression over the fields of `action`, only the
+    messages for which that holds, too. `require` makes an obligation of it: the block ends when
+    the flow or the topic that it names has spoken. `frame` is the frame of the action's positions.
+    """
+
+    name: str
+    block: tuple[str, ...]
+    when: str = "true"
+    action: str = ""
+    frame: str = ""
+    require: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,7 +205,35 @@ class MSRCN:
     mode: Mode
     policy: PolicyName
     aflows: tuple[GuardedTopic, ...] = ()
-    eflows: tuple[WatchedFlow, ...] = ()
+    eflows: tuple[EventFlow, ...] = ()
+    rules: tuple[Rule, ...] = ()
+    areas: tuple[Area, ...] = ()
+    transforms: tuple[Transform, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stop:
+    """How the guard stops the robot: a ramp down, then zeros for a while, then nothing.
+
+    `decel` (m/s2) and `angular_decel` (rad/s2) are the steepest ramp, `period` (ns) the time
+    between its messages, `repeat` (ns) how long zeros are sent.
+    """
+
+    decel: float = 2.5
+    angular_decel: float = 3.2
+    period: int = SECOND // 20
+    repeat: int = SECOND
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MessageDefinition:
+    """A message type that RTron does not know: its definition, as `rosmsg show -r` writes it.
+
+    Other types that it names follow after lines of `=` and `MSG: pkg/Name`.
+    """
+
+    type: str
+    definition: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,4 +251,6 @@ class Plan:
     rsrcn: RSRCN | None = None
     msrcn: MSRCN | None = None
     fps_monitor: tuple[FpsMonitor, ...] = ()
+    stop: Stop = Stop()
+    messages: tuple[MessageDefinition, ...] = ()
     accept_unenforceable: tuple[str, ...] = ()

@@ -120,8 +120,10 @@ const DETAIL = {
     const node = DATA.coordination[c];
     return [...heading(node.kind, node.id),
       facts([["policy", node.policy], ["mode", node.mode], ["domain", node.domain], ["sharing", node.sharing], ["unapproved", node.unapproved]]),
+      ...(node.terms ?? []).map((words) => tag("p", { class: "note" }, words)),
+      section("Rules", ...(node.rules ?? []).map(([name, words, reason]) => tag("div", { class: "card" }, tag("b", {}, name), tag("p", {}, words), reason ? tag("p", { class: "note" }, reason) : null))),
       section("Guards", ...node.guards.map(guardCard)),
-      section("Watches", ...node.watches.map((watch) => tag("div", { class: "card" }, tag("b", {}, watch.name), " ", topicLink(watch.topic), tag("p", { class: "note" }, `from ${watch.publisher}`))))];
+      section("Watches", ...node.watches.map((watch) => tag("div", { class: "card" }, tag("b", {}, watch.name), " ", topicLink(watch.topic), tag("p", { class: "note" }, `from ${watch.publisher}`), watch.note ? tag("p", { class: "note" }, watch.note) : null)))];
   },
 };
 
@@ -133,7 +135,7 @@ function endpointCard(i, link) {
 }
 
 function guardCard(guard) {
-  const terms = (flow) => [flow.block ? "blocked" : "pass", flow.priority && `priority ${flow.priority}`, flow.timeout !== null && `timeout ${flow.timeout} s`].filter(Boolean).join(", ");
+  const terms = (flow) => [flow.block ? "blocked" : "pass", flow.terms].filter(Boolean).join(", ");
   const rows = guard.flows.map((flow) => tag("tr", {}, tag("td", {}, flow.name), tag("td", {}, flow.publisher), tag("td", {}, terms(flow))));
   return tag("div", { class: "card" }, topicLink(guard.topic), tag("table", {}, tag("tbody", {}, ...rows)),
     guard.successors.length ? tag("p", { class: "note" }, `to ${guard.successors.join(", ")}`) : null);

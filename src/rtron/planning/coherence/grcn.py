@@ -1,0 +1,48 @@
+"""Whether a GRCN agrees with itself."""
+
+from collections.abc import Iterator
+from itertools import product
+
+from rtron.planning.coherence.flows import (
+    Misfit,
+    flow_names,
+    policy_misfit,
+    priorities,
+    publishers,
+)
+from rtron.vocabulary import GRCN, PolicyName, Sharing, names_node
+
+POLICIES = (
+    PolicyName.BLOCK,
+    PolicyName.FIFO_QUEUE,
+    PolicyName.PRIORITY_QUEUE,
+    PolicyName.PREEMPTION,
+)
+RANKED = (PolicyName.PRIORITY_QUEUE, PolicyName.PREEMPTION)
+
+
+def grcn_misfits(grcn: GRCN) -> Iterator[Misfit]:
+    """Yield everything in which a GRCN contradicts itself."""
+    yield from policy_misfit(grcn, "a GRCN", grcn.policy, POLICIES)
+    yield from flow_names(grcn.flows)
+    yield from publishers(grcn.flows)
+    yield from _shared_names(grcn)
+    if grcn.policy in RANKED:
+        yield from priorities(grcn.flows, grcn.policy)
+    if grcn.sharing is Sharing.MERGE and grcn.policy is not PolicyName.BLOCK:
+        why = f"the publishers of {grcn.topic} each own a part (merge), they take no turns"
+        yield grcn, "policy", f"{grcn.policy} is not for {grcn.topic}: {why}; choose Block"
+    if grcn.done == grcn.topic:
+        yield grcn, "done", f"{grcn.topic} cannot tell itself that an action is done"
+
+
+def _shared_names(grcn: GRCN) -> Iterator[Misfit]:
+    """Refuse a successor behind a pattern: it would hear its namesakes past the guard."""
+    for flow, node in product(grcn.flows, grcn.successors):
+        if "*" in flow.publisher + node and _overlap(flow.publisher, node):
+            why = f"{flow.publisher} and the successor {node} may be one node"
+            yield flow, "publisher", f"{why}: give it a flow under its full name"
+
+
+def _overlap(one: str, other: str) -> bool:
+    return names_node(one, other) or names_node(other, one)

@@ -1,0 +1,83 @@
+"""Whether the RSRCN has what its policy needs, and agrees with the fps_monitors."""
+
+from collections.abc import Iterator
+
+from rtron.planning.coherence.flows import Misfit, guarded_misfits, policy_misfit, priorities
+from rtron.vocabulary import (
+    RSRCN,
+    FpsMonitor,
+    GuardedTopic,
+    Plan,
+    PolicyName,
+    normalise_type,
+)
+
+POLICIES = (
+    PolicyName.BLOCK,
+    PolicyName.SAFE,
+    PolicyName.CONSTRAIN,
+    PolicyName.SAFE_CONSTRAIN,
+)
+BY_RATE = (PolicyName.SAFE, PolicyName.SAFE_CONSTRAIN)
+BY_LIMIT = (PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
+VELOCITIES = (
+    "std_msgs/Float64",
+    "std_msgs/Float32",
+    "geometry_msgs/Twist",
+    "geometry_msgs/TwistStamped",
+    "ackermann_msgs/AckermannDrive",
+    "ackermann_msgs/AckermannDriveStamped",
+)
+
+
+def rsrcn_misfits(plan: Plan) -> Iterator[Misfit]:
+    """Yield everything in which the RSRCN and the fps_monitors contradict themselves."""
+    for monitor in plan.fps_monitor:
+        yield from _camera(monitor)
+    rsrcn = plan.rsrcn
+    if rsrcn is None:
+        return
+    yield from policy_misfit(rsrcn, "the RSRCN", rsrcn.policy, POLICIES)
+    yield from guarded_misfits(rsrcn.vflows, rsrcn.iflows)
+    yield from _parameters(rsrcn, plan)
+    yield from _monitored(rsrcn, plan)
+    if rsrcn.policy in BY_RATE + BY_LIMIT:
+        yield from (misfit for topic in rsrcn.vflows for misfit in _limited(topic, rsrcn.policy))
+
+
+def _camera(monitor: FpsMonitor) -> Iterator[Misfit]:
+    camera = monitor.camera
+    if camera and monitor.topic == camera.topic:
+        yield camera, "topic", f"{camera.topic} is what {monitor.node} publishes, not what it sees"
+    elif camera and monitor.node == camera.publisher:
+        yield camera, "publisher", f"{monitor.node} cannot be its own camera"
+
+
+def _parameters(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:
+    policy = rsrcn.policy
+    if policy in BY_RATE and rsrcn.threshold is None:
+        yield rsrcn, "policy", f"{policy} needs a threshold: how far may it go in one frame?"
+    if policy in BY_RATE and not plan.fps_monitor:
+        yield rsrcn, "policy", f"{policy} needs an fps_monitor: whose frames count?"
+    if policy in BY_LIMIT and rsrcn.max_vel_limit is None:
+        yield rsrcn, "policy", f"{policy} needs a max_vel_limit, like 0.22 m/s"
+
+
+def _monitored(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:
+    """Compare the iflows with the fps_monitors; without iflows, all monitors count."""
+    monitors = {(monitor.topic, monitor.node) for monitor in plan.fps_monitor}
+    watched = {(flow.topic, flow.publisher) for flow in rsrcn.iflows}
+    for flow in rsrcn.iflows:
+        if (flow.topic, flow.publisher) not in monitors:
+            yield flow, "", f"no fps_monitor measures {flow.publisher} on {flow.topic}"
+    for monitor in plan.fps_monitor if watched else ():
+        if (monitor.topic, monitor.node) not in watched:
+            yield monitor, "", f"no iflow of the RSRCN names {monitor.node} on {monitor.topic}"
+
+
+def _limited(topic: GuardedTopic, policy: PolicyName) -> Iterator[Misfit]:
+    if topic.type and normalise_type(topic.type) not in VELOCITIES:
+        known = ", ".join(VELOCITIES)
+        yield topic, "type", f"{policy} cannot limit a {topic.type}: it knows {known}"
+    if policy in BY_RATE and len({flow.priority for flow in topic.flows}) > 1:
+        yield from priorities(topic.flows, policy)

@@ -1,0 +1,107 @@
+"""The expressions of a plan, checked before anything uses it: the guard refuses what is wrong."""
+
+from collections.abc import Iterator, Sequence
+
+from rtron.errors import InputError
+from rtron.messages.condition import Condition
+from rtron.messages.definition import Definitions
+from rtron.messages.judge import check_expression
+from rtron.planning.coherence import Misfit
+from rtron.planning.coherence.contradictions import contradictions
+from rtron.planning.coherence.msrcn import (
+    MOST_EFLOWS,
+    MOST_EXPRESSIONS,
+    MOST_RULES,
+    blocked_types,
+)
+from rtron.planning.problem import Level
+from rtron.vocabulary import MSRCN, EventFlow, MessageDefinition, Plan, Rule
+
+
+def expression_misfits(plan: Plan) -> Iterator[Misfit]:
+    """Yield what is wrong with message definitions, expressions, and the rules as a whole."""
+    definitions = Definitions(plan.messages, ros=plan.ros)
+    for message in plan.messages:
+        yield from _definition(message, definitions)
+    if plan.msrcn is None:
+        return
+    for flow in [flow for flow in plan.msrcn.eflows if flow.when][:MOST_EXPRESSIONS]:
+        yield from _event(flow, plan.msrcn, definitions)
+    for rule in plan.msrcn.rules[:MOST_RULES]:
+        yield from _action(rule, plan.msrcn, definitions)
+    conditions, wrong = _conditions(plan.msrcn)
+    yield from wrong
+    for level, rule, told in contradictions(plan.msrcn, conditions):
+        if level is Level.ERROR:
+            yield rule, "when", told
+
+
+def doubts(msrcn: MSRCN) -> Iterator[tuple[str, str]]:
+    """Yield what may be meant although it looks odd: the rule's name, and what is odd."""
+    conditions, _ = _conditions(msrcn)
+    for level, rule, told in contradictions(msrcn, conditions):
+        if level is Level.WARNING:
+            yield rule.name, told
+
+
+def _definition(message: MessageDefinition, definitions: Definitions) -> Iterator[Misfit]:
+    try:
+        definitions.find(message.type)
+    except InputError as error:
+        yield message, "definition", _told(error)
+
+
+def _event(flow: EventFlow, msrcn: MSRCN, definitions: Definitions) -> Iterator[Misfit]:
+    if flow.type:
+        yield from _expression(flow, "when", flow.type, msrcn, definitions)
+    else:
+        yield flow, "when", "the type is needed to check the expression: give the eflow's `type`"
+
+
+def _action(rule: Rule, msrcn: MSRCN, definitions: Definitions) -> Iterator[Misfit]:
+    types = blocked_types(rule, msrcn) if rule.action else set()
+    if len(types) == 1 and types != {""}:
+        yield from _expression(rule, "action", types.pop(), msrcn, definitions)
+
+
+def _expression(
+    noun: EventFlow | Rule, key: str, message_type: str, msrcn: MSRCN, definitions: Definitions
+) -> Iterator[Misfit]:
+    try:
+        definition = definitions.find(message_type)
+    except InputError:
+        return  # it is the plan's own, and told there
+    if definition is None:
+        help = f"add it under `messages`, as `rosmsg show -r {message_type}` prints it"
+        yield noun, key, f"{key}: RTron does not know the type {message_type}: {help}"
+        return
+    text, subject = (noun.when, "event") if isinstance(noun, EventFlow) else (noun.action, key)
+    try:
+        check_expression(definition, text, subject, msrcn.areas, frame=noun.frame)
+    except InputError as error:
+        yield noun, key, f"{key}: {_told(error)}"
+
+
+def _conditions(msrcn: MSRCN) -> tuple[dict[str, Condition], list[Misfit]]:
+    """Return the conditions of the rules by name, and what is wrong with the others."""
+    names = [flow.name for flow in msrcn.eflows[:MOST_EFLOWS]]
+    found: dict[str, Condition] = {}
+    wrong: list[Misfit] = []
+    for rule in msrcn.rules[:MOST_RULES]:
+        condition = _condition(rule, names)
+        if isinstance(condition, InputError):
+            wrong.append((rule, "when", f"when: {_told(condition)}"))
+        else:
+            found[rule.name] = condition
+    return found, wrong
+
+
+def _condition(rule: Rule, names: Sequence[str]) -> Condition | InputError:
+    try:
+        return Condition(rule.when, names)
+    except InputError as error:
+        return error
+
+
+def _told(error: InputError) -> str:
+    return f"{error} ({error.help})" if error.help else str(error)

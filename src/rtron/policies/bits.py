@@ -1,0 +1,125 @@
+"""The bits of the eflows: which events are triggered, as far as anybody knows (paper section 5.3).
+
+A bit is 1, 0 or unknown. It comes from the newest message, from a message within a time, or from
+silence; nothing else is remembered. Why a bit is unknown is told apart: the source is silent or
+gone (`on_silence`), or its message could not be judged (`on_error`); the plan says what either
+counts as.
+"""
+
+from collections.abc import Iterable, Mapping
+
+from rtron.vocabulary import EventFlow, WhenUnknown
+
+Truth = bool | None
+"""1, 0, or None: nobody knows."""
+
+_COUNTS: Mapping[WhenUnknown, Truth] = {
+    WhenUnknown.BLOCK: None,
+    WhenUnknown.SET: True,
+    WhenUnknown.CLEAR: False,
+}
+
+
+class Bit:
+    """One eflow, what was heard of it and when; its newest message counts for `max_age`."""
+
+    def __init__(self, flow: EventFlow) -> None:
+        self.flow = flow
+        self._links = 0
+        self._newest: int | None = None
+        self._judged: Truth = None
+        self._triggered: int | None = None
+        self._known: Truth = None
+
+    def found(self) -> None:
+        """Note that the publisher is connected."""
+        self._links += 1
+
+    def lost(self) -> None:
+        """Note that a connection to the publisher ended."""
+        self._links -= 1
+        if not self._links:
+            self._newest = None
+
+    def observe(self, judged: Truth, now: int) -> None:
+        """Take a message: whether `when` holds for it, None if that cannot be told."""
+        self._newest, self._judged = now, judged
+        if judged:
+            self._triggered = now
+
+    def value(self, now: int) -> Truth:
+        """Return the bit at `now`, with what the plan says that an unknown one counts as."""
+        found = self._read(now)
+        if isinstance(found, WhenUnknown):
+            return self._known if found is WhenUnknown.KEEP else _COUNTS[found]
+        self._known = found
+        return found
+
+    def changes(self) -> int | None:
+        """Return when the bit changes if nothing more is heard; None if it does not."""
+        return None if self._newest is None else self._newest + self.flow.max_age
+
+    def _read(self, now: int) -> bool | WhenUnknown:
+        if self._newest is None or now - self._newest >= self.flow.max_age:
+            return self.flow.on_silence
+        return self.flow.on_error if self._judged is None else self._judged
+
+    def _within(self, duration: int, now: int) -> bool:
+        return self._triggered is not None and now - self._triggered < duration
+
+
+class Presence(Bit):
+    """Triggered for a time after each event, as long as somebody is there to tell."""
+
+    def __init__(self, flow: EventFlow, present: int) -> None:
+        super().__init__(flow)
+        self._present = present
+
+    def changes(self) -> int | None:
+        """Return when the event counts as over."""
+        return None if self._triggered is None else self._triggered + self._present
+
+    def _read(self, now: int) -> bool | WhenUnknown:
+        if not self._links:
+            return self.flow.on_silence
+        if self._newest is not None and self._judged is None:
+            return self.flow.on_error
+        return self._within(self._present, now)
+
+
+class Silence(Bit):
+    """Triggered by silence, also before the first message: a heartbeat that nobody hears."""
+
+    def __init__(self, flow: EventFlow, silent: int) -> None:
+        super().__init__(flow)
+        self._silent = silent
+
+    def changes(self) -> int | None:
+        """Return when the silence counts."""
+        return None if self._triggered is None else self._triggered + self._silent
+
+    def _read(self, now: int) -> bool | WhenUnknown:
+        return not self._within(self._silent, now)
+
+
+class Bits:
+    """All eflows of an app."""
+
+    def __init__(self, flows: Iterable[EventFlow] = ()) -> None:
+        self.named = {flow.name: _bit(flow) for flow in flows}
+
+    def known(self, now: int) -> dict[str, bool]:
+        """Return the bits that are 1 or 0 at `now`."""
+        values = ((name, bit.value(now)) for name, bit in self.named.items())
+        return {name: value for name, value in values if value is not None}
+
+    def deadline(self, now: int) -> int | None:
+        """Return when a bit next changes if nothing more is heard."""
+        times = (bit.changes() for bit in self.named.values())
+        return min((time for time in times if time is not None and time > now), default=None)
+
+
+def _bit(flow: EventFlow) -> Bit:
+    if flow.silent is not None:
+        return Silence(flow, flow.silent)
+    return Bit(flow) if flow.present is None else Presence(flow, flow.present)

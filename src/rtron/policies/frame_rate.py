@@ -1,0 +1,59 @@
+"""How many frames a second an image node works off: a sliding window on a steady clock.
+
+A stamp says which frame a message is about: one that was counted within the window is not counted
+again. A stamp of 0 says nothing; such a message counts by its arrival. Stamps are only compared
+with each other for being the same, so a camera whose clock jumps does no harm.
+"""
+
+from collections import deque
+
+from rtron.vocabulary import SECOND
+
+# More frames than this in a second are no camera's: what comes beyond is not counted.
+MOST_FPS = 1000
+NO_STAMP = 0
+
+
+class FrameRate:
+    """The frames of the last `window` ns."""
+
+    __slots__ = ("_frames", "_most", "_seen", "_window")
+
+    def __init__(self, window: int) -> None:
+        self._window = window
+        self._most = max(1, window * MOST_FPS // SECOND)
+        self._frames: deque[tuple[int, int]] = deque()
+        self._seen: set[int] = set()
+
+    def frame(self, stamp: int, now: int) -> bool:
+        """Note a frame with its `stamp` (ns) that arrived at `now`; False if it does not count."""
+        self._forget(now)
+        if stamp in self._seen or len(self._frames) >= self._most:
+            return False
+        self._frames.append((now, stamp))
+        if stamp != NO_STAMP:
+            self._seen.add(stamp)
+        return True
+
+    def rate(self, now: int) -> float:
+        """Return the rate at `now`, frames a second.
+
+        It is what the window holds, and never more than one frame in the time since the last:
+        what the robot drives while no frame comes is what the rate is asked for.
+        """
+        self._forget(now)
+        age = self.age(now)
+        if age is None:
+            return 0.0
+        counted = len(self._frames) * SECOND / self._window
+        return min(counted, SECOND / age) if age else counted
+
+    def age(self, now: int) -> int | None:
+        """Return the time since the last frame, ns; None if the window holds none."""
+        self._forget(now)
+        return now - self._frames[-1][0] if self._frames else None
+
+    def _forget(self, now: int) -> None:
+        frames = self._frames
+        while frames and now - frames[0][0] >= self._window:
+            self._seen.discard(frames.popleft()[1])

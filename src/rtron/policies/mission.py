@@ -1,0 +1,111 @@
+"""The rules of a mission (MSRCN): which of them hold at a moment, and which obligations are met.
+
+A rule whose condition nobody can tell, because an event that it asks for is silent, counts as
+holding. The most restrictive rule wins: what one rule blocks, no other releases.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from rtron.policies.bits import Bits, Truth
+from rtron.vocabulary import Rule
+
+
+class Condition(Protocol):
+    """A rule's `when`: a boolean combination of bits."""
+
+    @property
+    def names(self) -> Collection[str]:
+        """The eflows whose bits it asks for."""
+        ...
+
+    def holds(self, bits: Mapping[str, bool]) -> Truth:
+        """Return whether it holds with the bits that are known; None if they do not decide it."""
+        ...
+
+
+@dataclass(slots=True, eq=False)
+class Standing:
+    """A rule, and how it stands: whether it holds, and whether what it requires was seen."""
+
+    rule: Rule
+    condition: Condition
+    holds: bool = False
+    known: bool = True
+    met: bool = False
+
+    @property
+    def blocks(self) -> bool:
+        """Whether the rule blocks anything now."""
+        return self.holds and not self.met
+
+    @property
+    def reason(self) -> str:
+        """Why it blocks."""
+        told = self.rule.reason or f"while {self.rule.when}"
+        unknown = "" if self.known else " (an event that it asks for is not known)"
+        return f"rule {self.rule.name}: {told}{unknown}"
+
+    def update(self, known: Mapping[str, bool]) -> bool:
+        """Take the bits that are known; tell whether the rule began or ceased to block."""
+        before = self.blocks
+        truth = self.condition.holds(known)
+        self.known = truth is not None
+        self.holds = truth is not False
+        self.met = self.met and self.holds
+        return self.blocks is not before
+
+    def meet(self) -> bool:
+        """Note that what the rule requires was seen; tell whether that ends its block."""
+        ends = self.blocks
+        self.met = self.met or self.holds
+        return ends
+
+
+class Mission:
+    """All rules of an app, kept up to date with the bits of its events.
+
+    `changed` is told each rule that begins or ceases to block.
+    """
+
+    def __init__(self, bits: Bits, rules: Iterable[tuple[Rule, Condition]] = ()) -> None:
+        self.bits = bits
+        self.standings = {rule.name: Standing(rule, condition) for rule, condition in rules}
+        self.changed: Callable[[Standing], None] = lambda standing: None
+        self.due: int | None = None
+        self._known: dict[str, bool] = {}
+        self._asking: dict[str, list[Standing]] = defaultdict(list)
+        for standing in self.standings.values():
+            standing.update(self._known)
+            for name in standing.condition.names:
+                self._asking[name].append(standing)
+
+    def update(self, now: int) -> None:
+        """Look at the bits again: an event was heard, or time has passed."""
+        self.due = self.bits.deadline(now)
+        known, before = self.bits.known(now), self._known
+        if known == before:
+            return
+        self._known = known
+        changed = (name for name in known.keys() | before.keys() if _differ(name, known, before))
+        asking = dict.fromkeys(each for name in changed for each in self._asking[name])
+        self._tell([standing for standing in asking if standing.update(known)])
+
+    def catch_up(self, now: int) -> None:
+        """Look at the bits again if one has changed by time alone."""
+        if self.due is not None and now >= self.due:
+            self.update(now)
+
+    def meet(self, rules: Iterable[str]) -> None:
+        """Note that what these rules require was seen."""
+        self._tell([each for name in rules if (each := self.standings[name]).meet()])
+
+    def _tell(self, changed: Iterable[Standing]) -> None:
+        for standing in changed:
+            self.changed(standing)
+
+
+def _differ(name: str, one: Mapping[str, bool], other: Mapping[str, bool]) -> bool:
+    return one.get(name) is not other.get(name)

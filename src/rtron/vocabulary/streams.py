@@ -1,0 +1,152 @@
+"""From a plan to its streams: the stages of each topic in the order GRCN, MSRCN, RSRCN."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from rtron.vocabulary.enums import CoordinationKind, Mode, StreamKind
+from rtron.vocabulary.names import names_node
+from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, UNAPPROVED, Flow, GuardedTopic, Plan, Rule
+from rtron.vocabulary.stream import PolicySettings, Stage, StageRule, Stream
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """What the MSRCN or the RSRCN has to do with one topic."""
+
+    stage: Stage
+    mode: Mode
+    topic: GuardedTopic
+    rules: tuple[Rule, ...] = ()
+
+
+def streams(plan: Plan) -> tuple[Stream, ...]:
+    """Return the plan's streams, one a topic and mode, in the order of the plan.
+
+    A stage that observes never shares a stream with one that enforces: it has none of its say.
+    """
+    found = {(grcn.topic, grcn.mode): _grcn_stream(grcn, plan.revision) for grcn in plan.grcn}
+    for part in (*_msrcn_parts(plan), *_rsrcn_parts(plan)):
+        key = (part.topic.topic, part.mode)
+        found[key] = _append(found.get(key) or _bare_stream(part.topic, part.mode), part)
+    return tuple(replace(stream, stop=plan.stop) for stream in found.values())
+
+
+def _grcn_stream(grcn: GRCN, revision: int) -> Stream:
+    settings = PolicySettings(
+        policy=grcn.policy,
+        kind=grcn.kind,
+        flows=grcn.flows,
+        release_after=grcn.release_after,
+        max_age=grcn.max_age,
+        max_hold=grcn.max_hold,
+        queue_size=grcn.queue_size,
+        revision=revision,
+    )
+    return Stream(
+        topic=grcn.topic,
+        type=grcn.type,
+        mode=grcn.mode,
+        flows=grcn.flows,
+        stages=(Stage(id=grcn.id, coordination=CoordinationKind.GRCN, settings=settings),),
+        successors=grcn.successors,
+        queue_size=grcn.queue_size,
+        done=grcn.done,
+        block_unapproved=grcn.block_unapproved,
+    )
+
+
+def _msrcn_parts(plan: Plan) -> Iterator[_Part]:
+    if plan.msrcn:
+        stage = _stage(plan.msrcn, CoordinationKind.MSRCN, plan.revision)
+        for topic in plan.msrcn.aflows:
+            yield _Part(stage, plan.msrcn.mode, topic, plan.msrcn.rules)
+
+
+def _rsrcn_parts(plan: Plan) -> Iterator[_Part]:
+    if plan.rsrcn:
+        stage = _limiting(_stage(plan.rsrcn, CoordinationKind.RSRCN, plan.revision), plan.rsrcn)
+        yield from (_Part(stage, plan.rsrcn.mode, topic) for topic in plan.rsrcn.vflows)
+
+
+def _stage(node: MSRCN | RSRCN, coordination: CoordinationKind, revision: int) -> Stage:
+    settings = PolicySettings(
+        policy=node.policy, kind=StreamKind.COMMAND, flows=(), revision=revision
+    )
+    return Stage(id=node.id, coordination=coordination, settings=settings)
+
+
+def _limiting(stage: Stage, rsrcn: RSRCN) -> Stage:
+    settings = replace(
+        stage.settings,
+        threshold=rsrcn.threshold,
+        max_vel_limit=rsrcn.max_vel_limit,
+        lowest=rsrcn.lowest,
+    )
+    return replace(stage, settings=settings)
+
+
+def _bare_stream(guarded: GuardedTopic, mode: Mode) -> Stream:
+    return Stream(
+        topic=guarded.topic,
+        type=guarded.type,
+        mode=mode,
+        flows=guarded.flows,
+        stages=(),
+        successors=guarded.successors,
+    )
+
+
+def _append(stream: Stream, part: _Part) -> Stream:
+    """Add a stage.
+
+    Its block bits hold in the stages before it too: a flow that will not pass must not take the
+    output from others there.
+    """
+    flows = part.topic.flows
+    settings = replace(
+        part.stage.settings,
+        flows=tuple(_own(flow, flows) for flow in stream.flows),
+        rules=tuple(_stage_rule(rule, stream, flows) for rule in part.rules),
+    )
+    blocked = tuple(flow.publisher for flow in flows if flow.block)
+    stages = (*stream.stages, replace(part.stage, settings=settings))
+    return replace(stream, stages=tuple(_with_blocks(each, blocked) for each in stages))
+
+
+def _own(flow: Flow, guarded: Sequence[Flow]) -> Flow:
+    """Return the stream's flow with the priority that the stage gives it."""
+    priorities = (other.priority for other in guarded if _alike(flow, other))
+    return replace(flow, block=False, priority=max(priorities, default=0))
+
+
+def _stage_rule(rule: Rule, stream: Stream, guarded: Sequence[Flow]) -> StageRule:
+    """Return a rule of the mission, with the names that its flows have in the stream."""
+    return StageRule(
+        name=rule.name,
+        blocks=_meant(rule.block, stream, guarded),
+        meets=_meant((rule.require,), stream, guarded),
+    )
+
+
+def _meant(names: Sequence[str], stream: Stream, guarded: Sequence[Flow]) -> frozenset[str]:
+    """Return the flows of a stream that are meant by their names, or all by their topic's."""
+    if stream.topic in names:
+        return frozenset(flow.name for flow in stream.flows) | {UNAPPROVED}
+    named = [flow for flow in guarded if flow.name in names]
+    return frozenset(f.name for f in stream.flows if any(_alike(f, other) for other in named))
+
+
+def _with_blocks(stage: Stage, blocked: tuple[str, ...]) -> Stage:
+    flows = tuple(
+        replace(flow, block=flow.block or any(_overlap(flow.publisher, name) for name in blocked))
+        for flow in stage.settings.flows
+    )
+    return replace(stage, settings=replace(stage.settings, flows=flows))
+
+
+def _alike(one: Flow, other: Flow) -> bool:
+    return _overlap(one.publisher, other.publisher)
+
+
+def _overlap(one: str, other: str) -> bool:
+    return names_node(one, other) or names_node(other, one)
