@@ -1,4 +1,4 @@
-"""Which app a command is about: in a graph file, running, or in source with launch files."""
+"""Which app a command is about: a graph, a bag, running, or source with launch files."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -47,12 +47,22 @@ class Chosen:
         return [word for word in self.inputs if ASSIGNED in word]
 
     @property
+    def bag(self) -> Path | None:
+        """The bag, if that is the only path; a folder with launch files is one of source."""
+        sole = self.paths[0] if len(self.paths) == 1 else None
+        if not sole or not _is_bag(sole) or (sole.is_dir() and self.static.launches):
+            return None
+        return sole
+
+    @property
     def folders(self) -> list[Path]:
         """The folders, if the app is to be read from source; raise InputError for a mix."""
+        if self.bag:
+            return []
         folders = [path for path in self.paths if path != STDIN and path.is_dir()]
         if folders and len(folders) < len(self.paths):
             other = next(path for path in self.paths if path not in folders)
-            help = "give folders with source, or one graph"
+            help = "give folders with source, one graph, or one bag"
             raise InputError(f"{other} is not a folder", help=help)
         return folders
 
@@ -65,13 +75,17 @@ def chosen_app(chosen: Chosen) -> App:
         raise InputError(f"both {paths[0]} and --live are given", help=help)
     if chosen.master:
         return _running(chosen.master, chosen.timeout)
+    if chosen.bag:
+        return _recorded(chosen.bag, chosen.static.launches)
     if chosen.folders:
         return _static(chosen)
     if len(paths) > 1:
-        raise InputError(f"what is {paths[1]}?", help="give one graph, or folders with source")
+        raise InputError(
+            f"what is {paths[1]}?", help="give one graph, one bag, or folders with source"
+        )
     if paths:
         return _in_file(paths[0])
-    help = "give a PATH with --launch, a GRAPH.json, or --live for the running app"
+    help = "give a PATH with --launch, a GRAPH.json, a bag, or --live for the running app"
     raise InputError("no app to read", help=help)
 
 
@@ -100,6 +114,21 @@ def _common(folders: Sequence[Path]) -> Path | None:
         p for p in (parents[0], *parents[0].parents) if all(f.is_relative_to(p) for f in parents)
     ]
     return shared[0] if len(shared) > 1 else None
+
+
+def _is_bag(path: Path) -> bool:
+    from rtron.sources.bag.kind import is_bag  # noqa: PLC0415 - only what is scanned is loaded
+
+    return path != STDIN and is_bag(path)
+
+
+def _recorded(bag: Path, launches: Sequence[str]) -> App:
+    if launches:
+        help = "leave one of the two out: a bag shows what ran, launch files what would run"
+        raise InputError(f"both {bag} and --launch are given", help=help)
+    from rtron.sources.bag.graph import Bag  # noqa: PLC0415 - a graph needs no reader of bags
+
+    return App(Bag(bag), str(bag), quote(str(bag)))
 
 
 def _running(master: str, timeout: float) -> App:

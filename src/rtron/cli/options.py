@@ -11,9 +11,9 @@ from rtron.cli.launch_names import complete_launch
 Inputs = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="PATH|GRAPH.json [ARG:=VALUE]",
-        help="The app's source folders, or its interaction graph (- is standard input); "
-        "arguments are for every --launch.",
+        metavar="PATH|GRAPH.json|BAG [ARG:=VALUE]",
+        help="The app's source folders, its interaction graph (- is standard input), or a bag: "
+        ".bag, .mcap, .db3, or a ROS 2 bag's folder. Arguments are for every --launch.",
     ),
 ]
 Launches = Annotated[

@@ -58,6 +58,7 @@ def plan(  # noqa: PLR0913 - one for each option
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
     $ rtron plan graph.json -o rtron.yaml  write it; an older one becomes .bak
     $ rtron plan graph.json -o -           print the YAML
+    $ rtron plan run.bag                   of what a bag shows, publishers only
 
     Exit code: 0 proposed, 2 bad input.
     """

@@ -92,6 +92,7 @@ def scan(  # noqa: PLR0913 - one for each option
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
     $ rtron scan --live --format graph --fail-on never -o graph.json
     $ rtron scan graph.json --format json --fail-on high
+    $ rtron scan run.bag                   who published what in a recording
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """

@@ -1,0 +1,92 @@
+"""The InteractionGraph that a bag shows: who published what while it was recorded."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.sources.bag.messages import read_messages
+from rtron.sources.bag.reading import BagConnection, BagReading
+from rtron.sources.bag.silent_actions import actions_in_bag
+from rtron.vocabulary import (
+    Direction,
+    Durability,
+    Endpoint,
+    Evidence,
+    InteractionGraph,
+    Node,
+    QoS,
+    Resolution,
+    Topic,
+    Unresolved,
+)
+
+_LOGS = frozenset({"/rosout", "/rosout_agg"})
+_LATCHED = QoS(durability=Durability.TRANSIENT_LOCAL)
+
+
+@dataclass(frozen=True, slots=True)
+class Bag:
+    """A Source that reads a bag's index: a ROS 1 .bag, a .mcap, a .db3, or a ROS 2 bag's folder.
+
+    A topic whose publisher the bag does not name (ROS 2 never does) has no endpoint, since no node
+    is invented for it. Latching reads as ROS 2's transient local durability.
+    """
+
+    path: Path
+
+    def read(self) -> InteractionGraph:
+        """Return the graph of what was recorded; InputError if the bag cannot be read."""
+        reading = read_messages(self.path)
+        evidence = (Evidence(file=str(self.path)),)
+        endpoints = tuple(dict.fromkeys(_endpoints(reading.connections, evidence)))
+        return InteractionGraph(
+            app=self.path.resolve().name,
+            ros=1 if any(each.encoding == "ros1" for each in reading.connections) else 2,
+            nodes=tuple(Node(name=name) for name in dict.fromkeys(e.node for e in endpoints)),
+            topics=_topics(reading.connections),
+            endpoints=endpoints,
+            actions=actions_in_bag(endpoints),
+            unresolved=tuple(_unresolved(reading, evidence)),
+        )
+
+
+def _endpoints(
+    connections: Iterable[BagConnection], evidence: tuple[Evidence, ...]
+) -> Iterator[Endpoint]:
+    for each in connections:
+        if each.callerid:
+            yield Endpoint(
+                node=each.callerid,
+                topic=each.topic,
+                direction=Direction.PUBLISH,
+                type=each.type,
+                implicit=each.topic in _LOGS,
+                resolution=Resolution.OBSERVED,
+                qos=_LATCHED if each.latching else None,
+                evidence=evidence,
+            )
+
+
+def _topics(connections: Iterable[BagConnection]) -> tuple[Topic, ...]:
+    types: dict[str, dict[str, None]] = {}
+    for each in connections:
+        types.setdefault(each.topic, {})[each.type] = None
+    return tuple(
+        Topic(name=name, types=tuple(filter(None, used))) for name, used in sorted(types.items())
+    )
+
+
+def _unresolved(reading: BagReading, evidence: tuple[Evidence, ...]) -> Iterator[Unresolved]:
+    why = "a bag records who publishes, not who subscribes: read the app's launch files for that"
+    yield Unresolved(what="subscribers", why=why, evidence=evidence)
+    unnamed = {each.topic: each for each in reading.connections if not each.callerid}
+    for topic, connection in sorted(unnamed.items()):
+        yield Unresolved(what=topic, why=_unnamed(connection), evidence=evidence)
+    for topic, why in reading.left_out:
+        yield Unresolved(what=topic, why=why, evidence=evidence)
+
+
+def _unnamed(connection: BagConnection) -> str:
+    number = len(connection.offered_qos)
+    known = f", only that there were {number}" if number > 1 else ""
+    return f"the bag does not name its publisher{'s' if known else ''}{known}"
