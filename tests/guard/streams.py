@@ -5,6 +5,7 @@ from rtron.vocabulary import (
     CoordinationKind,
     Flow,
     Mode,
+    OnSilence,
     PolicyName,
     PolicySettings,
     Stage,
@@ -14,8 +15,8 @@ from rtron.vocabulary import (
 
 TWIST = TypeInfo("geometry_msgs/Twist", "9f195f881246fdfa2798d1d3eebca84a", "")
 FLOWS = (
-    Flow(name="flow1", publisher="/nav", priority=2),
-    Flow(name="flow2", publisher="/teleop", priority=1),
+    Flow(name="flow1", publisher="/nav", priority=2, on_silence=OnSilence.RELEASE),
+    Flow(name="flow2", publisher="/teleop", priority=1, on_silence=OnSilence.RELEASE),
 )
 
 

@@ -11,14 +11,17 @@ from rtron.cli.check import check
 from rtron.cli.explain import explain
 from rtron.cli.guard import guard
 from rtron.cli.instrument import instrument
+from rtron.cli.mission import mission
 from rtron.cli.model import model
 from rtron.cli.outcome import BAD_INPUT, Outcome, complain, deliver
+from rtron.cli.override import override
 from rtron.cli.plan import plan
+from rtron.cli.replay import replay
 from rtron.cli.scan import scan
 from rtron.cli.schema import schema
 from rtron.errors import RTronError
 
-COMMANDS = (scan, plan, check, instrument, guard, explain, schema)
+COMMANDS = (scan, plan, check, instrument, replay, guard, override, explain, mission, schema)
 
 app = typer.Typer(
     name="rtron",
@@ -63,6 +66,7 @@ def start(
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
     $ rtron check rtron.yaml               after you edited the plan
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
+    $ rtron replay run.bag --plan rtron.yaml     what it would have done
     $ roslaunch guarded.launch             the app, guarded
 
     Completion of commands and names: rtron --install-completion

@@ -1,6 +1,6 @@
 """A progress bar on standard error, where that is a terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -29,3 +29,15 @@ def shown_progress() -> Iterator[Told]:
             bar.update(task, completed=done, total=known, description=said)
 
         yield tell
+
+
+@contextmanager
+def counting(what: str) -> Iterator[Callable[[int], None]]:
+    """Yield what takes a number that grows, of what nobody knows how many there are."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda done: None
+        return
+    with Progress(TextColumn("{task.completed:,.0f} {task.description}"), console=console) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done: bar.update(task, completed=done)

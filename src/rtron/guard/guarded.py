@@ -5,8 +5,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
+from rtron.guard.override import Overridable
 from rtron.guard.pipeline import Pipeline
+from rtron.guard.senses import Senses
+from rtron.guard.stages import policies_of
+from rtron.guard.stopper import Stopper
 from rtron.guard.transport.transport import Output, Peer, Receive, Transport
+from rtron.guard.types import codec_of
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     UNAPPROVED,
@@ -15,6 +20,7 @@ from rtron.vocabulary import (
     Mode,
     Stream,
     StreamKind,
+    Verdict,
     flow_topic,
     names_node,
     output_topic,
@@ -33,18 +39,26 @@ class GuardedStream:
     listens on the private output, and what arrives under the public name is `unapproved`.
     """
 
-    def __init__(self, stream: Stream, transport: Transport) -> None:
+    def __init__(
+        self, stream: Stream, transport: Transport, senses: Senses, *, dry_run: bool = False
+    ) -> None:
         self.stream = _with_unapproved(stream)
         self.nodes = tuple(f"{PRIVATE_ROOT}/{stage.id}" for stage in stream.stages)
         names = [*(flow.name for flow in stream.flows), UNAPPROVED]
-        self.pipeline = Pipeline(self.stream.stages, names, self._emit)
-        self.owner_changed: Callable[[str | None], None] = lambda owner: None
+        policies = policies_of(self.stream, senses)
+        self.overridable = {k: v for k, v in policies.items() if isinstance(v, Overridable)}
+        self.pipeline = Pipeline(tuple(policies.values()), names, self._passed)
+        self.stopper = Stopper(stream, self._say)
+        self.told: Callable[[], None] = lambda: None
         self.strangers: dict[str, int] = {}
+        self.dry_run = dry_run
         self._transport = transport
+        action = senses.actions.get(stream.topic)
+        self._md5sum = action.md5sum if action else ""
         # A late subscriber is not told an old velocity.
         self._keeps = stream.stages[0].settings.kind is not StreamKind.COMMAND
         self._armed_for: int | None = None
-        self._owner: str | None = None
+        self._state: tuple[str | None, str] = (None, "")
         self._latching: dict[str, str | None] = dict.fromkeys(names)
         self._outputs: list[Output] = []
         self._mirrors: dict[str, Output] = {}
@@ -65,7 +79,15 @@ class GuardedStream:
         self.pipeline.shut(why)
         for output in (*self._outputs, *self._mirrors.values()):
             output.forget()
-        self._tell_owner()
+        self.attend(self._transport.now())
+
+    def attend(self, now: int) -> None:
+        """Stop the robot if what moves it may not go on: a rule, a limit or a stage has changed."""
+        flow = self.stopper.moving
+        if flow and (why := self.pipeline.refusal(flow.name, now)):
+            self.stopper.refuse(why, now)
+        self._settle(now)
+        self._tell()
 
     def _open_outputs(self) -> None:
         last, stream = self.nodes[-1], self.stream
@@ -130,22 +152,58 @@ class GuardedStream:
 
     def _learn(self, peer: Peer) -> bool:
         outputs = [*self._outputs, *self._mirrors.values(), *self._joints]
-        if all(output.learn(peer.info) for output in outputs):
-            return True
-        log.error("%s: %s has another type, %s", self.stream.topic, peer.node, peer.info.type)
-        return False
+        written_for = self._md5sum in ("", peer.info.md5sum)
+        if not (written_for and all(output.learn(peer.info) for output in outputs)):
+            told = "%s: %s has another type, %s"
+            log.error(told, self.stream.topic, peer.node, peer.info.type)
+            return False
+        codec = codec_of(peer.info, self._transport.encoding)
+        if codec:
+            self.stopper.learn(codec)
+            for policy in self.overridable.values():
+                policy.learn(codec)
+        return True
 
     def _receive(self, flow: str, message: bytes) -> None:
         now = self._transport.now()
-        decision = self.pipeline.receive(flow, message, now)
+        if self.dry_run:
+            self._send(flow, message)
+        verdict = self._judged(flow, message, now)
+        decision = verdict.decision if verdict else Decision.DROP
         if decision is Decision.HOLD:
             self._settle(now)
+        elif decision is Decision.DROP and verdict and self.stopper.moving:
+            self._dropped(verdict, now)
         elif self._armed_for is None:
             self._arm()
-        if self.pipeline.owner != self._owner:
-            self._tell_owner()
+        if (self.pipeline.owner, self.stopper.why) != self._state:
+            self._tell()
 
-    def _emit(self, flow: str, message: bytes) -> None:
+    def _judged(self, flow: str, message: bytes, now: int) -> Verdict | None:
+        try:
+            return self.pipeline.receive(flow, message, now)
+        except Exception:
+            log.exception("%s: internal error, a message of %s is dropped", self.stream.topic, flow)
+            self.stopper.refuse("internal error", now)
+            self._settle(now)
+            return None
+
+    def _dropped(self, verdict: Verdict, now: int) -> None:
+        """Stop the robot if a message of the flow that moves it is refused."""
+        flow = self.stopper.moving
+        if flow and flow.name == verdict.flow:
+            self.stopper.dropped(verdict, now)
+            self.attend(now)
+
+    def _passed(self, flow: str, message: bytes, now: int) -> None:
+        self.stopper.said(flow, message, now)
+        self._say(flow, message)
+
+    def _say(self, flow: str, message: bytes) -> None:
+        if not self.dry_run:
+            self._send(flow, message)
+
+    def _send(self, flow: str, message: bytes) -> None:
         latched_by = self._latching[flow]
         for output in self._outputs:
             output.publish(message, latched_by)
@@ -157,29 +215,40 @@ class GuardedStream:
 
     def _settle(self, now: int) -> None:
         """Let out what is due, and be called when the next is."""
-        due = self.pipeline.deadline()
+        due = self._deadline()
         if due is not None and due <= now:
-            self.pipeline.tick(now)
+            self._tick(now)
         self._arm()
+
+    def _deadline(self) -> int | None:
+        one, other = self.pipeline.deadline(), self.stopper.deadline()
+        return one if other is None else other if one is None else min(one, other)
 
     def _arm(self) -> None:
         """Ask to be woken for the next deadline, unless an earlier call is already due."""
-        due = self.pipeline.deadline()
+        due = self._deadline()
         if due is not None and (self._armed_for is None or due < self._armed_for):
             self._armed_for = due
             self._transport.call_at(due, self._wake)
 
     def _wake(self) -> None:
         self._armed_for = None
-        self.pipeline.tick(self._transport.now())
-        self._tell_owner()
+        self._tick(self._transport.now())
+        self._tell()
         self._arm()
 
-    def _tell_owner(self) -> None:
-        owner = self.pipeline.owner
-        if owner != self._owner:
-            self._owner = owner
-            self.owner_changed(owner)
+    def _tick(self, now: int) -> None:
+        self.stopper.tick(now)
+        try:
+            self.pipeline.tick(now)
+        except Exception:
+            log.exception("%s: internal error, what was held is lost", self.stream.topic)
+
+    def _tell(self) -> None:
+        state = (self.pipeline.owner, self.stopper.why)
+        if state != self._state:
+            self._state = state
+            self.told()
 
 
 def _with_unapproved(stream: Stream) -> Stream:

@@ -8,37 +8,60 @@ from functools import partial
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.messages import (
     DIAGNOSTICS,
-    ERROR,
-    OK,
+    FLOAT64,
     STRING,
-    WARN,
     Status,
     diagnostics_message,
+    float64_message,
     string_message,
 )
+from rtron.guard.senses import Senses
+from rtron.guard.statuses import active_text, statuses
 from rtron.guard.transport.transport import Output, Transport
-from rtron.vocabulary import SECOND, Stream
+from rtron.guard.watching import Watching, Ways
+from rtron.policies.mission import Standing
+from rtron.vocabulary import PRIVATE_ROOT, SECOND, Mode, Stream, flow_topic
 
 log = logging.getLogger(__name__)
 
 GUARD_NODE = "/rtron_guard"
-_IDLE = "idle"
+_FPS_PERIOD = SECOND // 10
 
 
 class Host:
-    """Opens the streams on a transport and reports: `~active` on change, `/diagnostics` at 1 Hz."""
+    """Opens the streams on a transport and reports: `~active` on change, `/diagnostics` at 1 Hz.
 
-    def __init__(self, transport: Transport, streams: Sequence[Stream]) -> None:
-        self.guarded = [GuardedStream(stream, transport) for stream in streams]
+    A dry run lets everything pass and reports what would have become of it.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        streams: Sequence[Stream],
+        senses: Senses | None = None,
+        *,
+        dry_run: bool = False,
+    ) -> None:
+        self.senses = senses or Senses()
+        self.guarded = [
+            GuardedStream(stream, transport, self.senses, dry_run=dry_run) for stream in streams
+        ]
         self._transport = transport
+        self._watching = Watching(transport, self.senses, _ways(streams), self._heard)
+        self._attending = False
+        self._armed_for: int | None = None
         self._diagnostics: Output | None = None
         self._reports = 0
+        self.senses.mission.changed = self._rule_changed
 
     def open(self) -> None:
         """Join the graph with every coordination node."""
         for guarded in self.guarded:
             guarded.open()
             self._show_owner(guarded)
+        self._watching.open()
+        for monitor in self.senses.monitors:
+            self._show_rate(monitor.id)
         self._diagnostics = self._announce(GUARD_NODE, "/diagnostics", DIAGNOSTICS.type)
         self._diagnostics.learn(DIAGNOSTICS)
         self._report()
@@ -51,8 +74,34 @@ class Host:
         return node == GUARD_NODE
 
     def statuses(self) -> list[Status]:
-        """Return the state of every stream."""
-        return [_status(guarded) for guarded in self.guarded]
+        """Return the state of every stream, image node and rule."""
+        return statuses(self.guarded, self.senses, self._transport.now())
+
+    def _heard(self) -> None:
+        """Be called when something changes by time alone, if not before."""
+        due = self.senses.deadline(self._transport.now())
+        if due is not None and (self._armed_for is None or due < self._armed_for):
+            self._armed_for = due
+            self._transport.call_at(due, self._look_again)
+
+    def _look_again(self) -> None:
+        self._armed_for = None
+        self.senses.catch_up(self._transport.now())
+        self.attend()
+        self._heard()
+
+    def _rule_changed(self, standing: Standing) -> None:
+        log.warning("%s: %s", "blocked" if standing.blocks else "free again", standing.reason)
+        if not self._attending:
+            self._attending = True
+            self._transport.call_at(self._transport.now(), self.attend)
+
+    def attend(self) -> None:
+        """Let every stream look whether what moves the robot may go on."""
+        self._attending = False
+        now = self._transport.now()
+        for guarded in self.guarded:
+            guarded.attend(now)
 
     def _announce(self, node: str, topic: str, type: str) -> Output:
         return self._transport.advertise(node, topic, type)
@@ -62,8 +111,19 @@ class Host:
         topic = f"{guarded.nodes[0]}/{name}/active"
         active = self._announce(guarded.nodes[0], topic, STRING.type)
         active.learn(STRING)
-        guarded.owner_changed = partial(_tell, guarded, active)
-        guarded.owner_changed(None)
+        guarded.told = partial(_tell, guarded, active)
+        guarded.told()
+
+    def _show_rate(self, monitor: str) -> None:
+        node = f"{PRIVATE_ROOT}/{monitor}"
+        output = self._announce(node, f"{node}/fps", FLOAT64.type)
+        output.learn(FLOAT64)
+        self._tell_rate(monitor, output)
+
+    def _tell_rate(self, monitor: str, output: Output) -> None:
+        now = self._transport.now()
+        output.publish(float64_message(self.senses.rates.monitors[monitor].rate(now).fps))
+        self._transport.call_at(now + _FPS_PERIOD, partial(self._tell_rate, monitor, output))
 
     def _report(self) -> None:
         if self._diagnostics is not None:
@@ -73,25 +133,19 @@ class Host:
         self._transport.call_at(self._transport.now() + SECOND, self._report)
 
 
-def _tell(guarded: GuardedStream, active: Output, owner: str | None) -> None:
-    publishers = {flow.name: flow.publisher for flow in guarded.stream.flows}
-    text = f"{owner} {publishers.get(owner, '')}".strip() if owner else _IDLE
+def _ways(streams: Sequence[Stream]) -> Ways:
+    """Return where the publishers that an enforced stream has remapped speak."""
+    return Ways(
+        {
+            (stream.topic, flow.publisher): flow_topic(stream.topic, flow.name)
+            for stream in streams
+            if stream.mode is Mode.ENFORCE
+            for flow in stream.flows
+        }
+    )
+
+
+def _tell(guarded: GuardedStream, active: Output) -> None:
+    text = active_text(guarded)
     log.info("%s: %s", guarded.stream.topic, text)
     active.publish(string_message(text), latched_by=GUARD_NODE)
-
-
-def _status(guarded: GuardedStream) -> Status:
-    stream, pipeline = guarded.stream, guarded.pipeline
-    values = {
-        flow: f"passed {tally.passed}, held {tally.held}, dropped {tally.dropped}"
-        + (f"; {tally.last.reason}" if tally.last else "")
-        for flow, tally in pipeline.tallies.items()
-    }
-    values |= {f"unapproved {node}": f"connected {n}" for node, n in guarded.strangers.items()}
-    level, message = OK, f"{pipeline.owner or _IDLE}"
-    if guarded.strangers:
-        level, message = WARN, f"unapproved publishers: {', '.join(guarded.strangers)}"
-    if pipeline.closed:
-        level, message = ERROR, pipeline.closed
-    name = f"rtron: {stream.topic} ({', '.join(stage.id for stage in stream.stages)})"
-    return Status(level, name, message, values)

@@ -1,4 +1,4 @@
-"""The two ROS 1 messages that the guard writes itself, as bytes with their length in front."""
+"""The ROS 1 messages that the guard writes itself, as bytes with their length in front."""
 
 import struct
 from collections.abc import Mapping, Sequence
@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from rtron.guard.transport.transport import TypeInfo
 
 _U32 = struct.Struct("<I")
+_F64 = struct.Struct("<d")
 _HEADER = struct.Struct("<III")
 
 STRING = TypeInfo("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
+FLOAT64 = TypeInfo("std_msgs/Float64", "fdb28210bfa9d7c91146260178d9a584", "float64 data\n")
 _RULE = "=" * 80
 DIAGNOSTICS = TypeInfo(
     "diagnostic_msgs/DiagnosticArray",
@@ -37,6 +39,11 @@ class Status:
 def string_message(text: str) -> bytes:
     """Return a std_msgs/String."""
     return _framed(_string(text))
+
+
+def float64_message(value: float) -> bytes:
+    """Return a std_msgs/Float64."""
+    return _framed(_F64.pack(value))
 
 
 def diagnostics_message(seq: int, stamp: int, statuses: Sequence[Status]) -> bytes:

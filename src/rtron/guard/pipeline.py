@@ -7,14 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.policies import build
-from rtron.vocabulary import Decision, Stage, Verdict
+from rtron.vocabulary import Decision, Verdict
 
 if TYPE_CHECKING:
     from rtron.policies.policy import Policy
 
-Emit = Callable[[str, bytes], None]
-"""Takes the flow and the message that every stage let go."""
+Emit = Callable[[str, bytes, int], None]
+"""Takes the flow, the message that every stage let go, and the time (ns)."""
 
 
 @dataclass(slots=True)
@@ -24,43 +23,56 @@ class Tally:
     passed: int = 0
     held: int = 0
     dropped: int = 0
+    modified: int = 0
     last: Verdict | None = None
 
 
 class Pipeline:
-    """The policies of one stream, asked in the order of its stages."""
+    """The policies of one stream, asked in the order of its stages.
 
-    def __init__(self, stages: Sequence[Stage], flows: Sequence[str], emit: Emit) -> None:
-        self.policies: tuple[Policy, ...] = tuple(build(stage.settings) for stage in stages)
+    `changed`, if it is set, is told a verdict that differs from the one before on its flow.
+    """
+
+    def __init__(self, policies: Sequence["Policy"], flows: Sequence[str], emit: Emit) -> None:
+        self.policies = tuple(policies)
         self.tallies: dict[str, Tally] = {flow: Tally() for flow in flows}
         self._emit = emit
+        self._after = [self.policies[at:] for at in range(len(self.policies) + 1)]
         self.closed = ""
+        self.changed: Callable[[Verdict], None] | None = None
 
-    def receive(self, flow: str, message: bytes, now: int) -> Decision:
-        """Decide about a message that arrived at `now` (ns); emit it if all stages agree."""
+    def receive(self, flow: str, message: bytes, now: int) -> Verdict | None:
+        """Decide about a message that arrived at `now` (ns); emit it if all stages agree.
+
+        None if the pipeline is shut.
+        """
         if self.closed:
             self.tallies[flow].dropped += 1
-            return Decision.DROP
-        verdict = self.policies[0].verdict(flow, message, now)
-        if verdict.decision is Decision.PASS:
-            return self._go_on(1, verdict, message, now)
-        self._count(verdict)
-        return verdict.decision
+            return None
+        return self._go_on(0, flow, message, now)
 
     def tick(self, now: int) -> None:
         """Let time pass: what a stage releases goes on to the stages after it."""
         for at, policy in enumerate(() if self.closed else self.policies):
             for release in policy.tick(now):
-                if release.verdict.decision is Decision.PASS:
-                    self._go_on(at + 1, release.verdict, release.message, now)  # type: ignore[arg-type]
-                else:
+                if release.verdict.decision is Decision.DROP:
                     self._count(release.verdict)
+                else:
+                    flow = release.verdict.flow
+                    self._go_on(at + 1, flow, release.message, now, release.verdict)  # type: ignore[arg-type]
 
     def done(self, now: int) -> None:
         """Learn that the action in progress is done."""
         for policy in self.policies:
             policy.observe_done(now)
         self.tick(now)
+
+    def refusal(self, flow: str, now: int) -> str:
+        """Return why no message of `flow` would pass at `now`, or nothing."""
+        if self.closed:
+            return self.closed
+        refusals = (policy.refusal(flow, now) for policy in self.policies)
+        return next((refusal.reason for refusal in refusals if refusal), "")
 
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do, or None."""
@@ -81,25 +93,43 @@ class Pipeline:
         """The flow that has the output."""
         return self.policies[0].owner if self.policies and not self.closed else None
 
-    def _go_on(self, first: int, verdict: Verdict, message: bytes, now: int) -> Decision:
+    def _go_on(
+        self, first: int, flow: str, message: bytes, now: int, verdict: Verdict | None = None
+    ) -> Verdict:
         """Ask the stages from `first` on; `verdict` is what those before it said."""
-        flow = verdict.flow
-        for policy in self.policies[first:]:
-            verdict = policy.verdict(flow, message, now)
-            if verdict.decision is not Decision.PASS:
-                break
+        for policy in self._after[first]:
+            given = policy.verdict(flow, message, now)
+            if given.decision is Decision.MODIFY:
+                message = given.message  # type: ignore[assignment]
+            elif given.decision is not Decision.PASS:
+                self._count(given)
+                return given
+            if verdict is None or verdict.decision is not Decision.MODIFY:
+                verdict = given
+        if verdict is None:
+            raise AssertionError("a pipeline has a stage")
         self._count(verdict)
-        if verdict.decision is Decision.PASS:
-            self._emit(flow, message)
-        return verdict.decision
+        self._emit(flow, message, now)
+        return verdict
 
     def _count(self, verdict: Verdict) -> None:
         tally = self.tallies[verdict.flow]
+        if self.changed and verdict is not tally.last and _differs(verdict, tally.last):
+            self.changed(verdict)
         decision = verdict.decision
         if decision is Decision.PASS:
             tally.passed += 1
         elif decision is Decision.DROP:
             tally.dropped += 1
+        elif decision is Decision.MODIFY:
+            tally.modified += 1
         else:
             tally.held += 1
         tally.last = verdict
+
+
+def _differs(one: Verdict, other: Verdict | None) -> bool:
+    """Tell whether what happens has changed; the limit of the moment is no change."""
+    if other is None or one.decision is not other.decision or one.policy is not other.policy:
+        return True
+    return one.decision is not Decision.MODIFY and one.reason != other.reason

@@ -5,35 +5,47 @@ import logging
 import resource
 import signal
 import sys
-from collections.abc import Sequence
+from pathlib import Path
 
 from rtron.errors import SourceError
+from rtron.guard.control import Control
 from rtron.guard.host import Host
+from rtron.guard.overriding import Overriding
+from rtron.guard.senses import senses_of
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
-from rtron.vocabulary import Plan, Stream, streams
+from rtron.vocabulary import Plan, streams
 
 log = logging.getLogger(__name__)
 
 _SWITCH_S = 1e-4
 
 
-def run_guard(plan: Plan, master: str) -> int:
+def run_guard(
+    plan: Plan, master: str, *, dry_run: bool = False, control: Path | None = None
+) -> int:
     """Guard a plan's streams on the ROS 1 master at `master`; return the exit code.
 
-    SourceError if the plan is for ROS 2, whose transport is not there yet.
+    A dry run lets everything pass and reports what would have become of it. `control` is where
+    the guard listens for overrides. SourceError if the plan is for ROS 2, whose transport is not
+    there yet, or if `control` cannot be used.
     """
     if plan.ros != 1:
         raise SourceError("this guard speaks ROS 1 only", help="the plan says `ros: 2`")
-    return run_streams(streams(plan), master)
-
-
-def run_streams(guarded: Sequence[Stream], master: str) -> int:
-    """Guard streams until SIGINT, SIGTERM or a kill of the guard's own node."""
     _allow_many_connections()
     loop = Loop()
     transport = Ros1Transport(loop, master)
-    host = Host(transport, guarded)
+    host = Host(transport, streams(plan), senses_of(plan), dry_run=dry_run)
+    door = Control(loop, control, Overriding(host, transport).answer) if control else None
+    run_host(host, transport, loop)
+    if door:
+        door.close()
+    loop.close()
+    return 0
+
+
+def run_host(host: Host, transport: Ros1Transport, loop: Loop) -> None:
+    """Guard until SIGINT, SIGTERM or a kill of the guard's own node."""
 
     def killed(node: str, reason: str) -> None:
         log.error("%s was shut down: %s", node, reason)
@@ -46,11 +58,9 @@ def run_streams(guarded: Sequence[Stream], master: str) -> int:
         signal.signal(number, lambda *_: loop.post(loop.stop))
     host.open()
     _favour_messages()
-    log.info("guarding %d topics on %s", len(guarded), master)
+    log.info("guarding %d topics", len(host.guarded))
     loop.run()
     transport.close()
-    loop.close()
-    return 0
 
 
 def _favour_messages() -> None:

@@ -5,17 +5,28 @@ from collections import defaultdict
 from collections.abc import Callable
 from itertools import count
 
-from rtron.guard.transport.transport import Connect, Output, Peer, Receive, TypeInfo
+from rtron.guard.transport.transport import (
+    Connect,
+    Lost,
+    Output,
+    Peer,
+    Receive,
+    TypeInfo,
+    ignore,
+)
+from rtron.messages.encoding import Encoding
 
 
 class MemoryTransport:
     """Topics as lists; outside nodes speak with `publisher` and listen with `listen`."""
 
-    def __init__(self) -> None:
+    def __init__(self, encoding: Encoding = Encoding.ROS1) -> None:
+        self.encoding = encoding
         self._time = 0
         self._order = count()
         self._timers: list[tuple[int, int, Callable[[], None]]] = []
-        self._connects: dict[str, list[Connect]] = defaultdict(list)
+        self._connects: dict[str, list[tuple[Connect, Lost]]] = defaultdict(list)
+        self._links: dict[tuple[str, Peer], list[Lost]] = defaultdict(list)
         self._heard: dict[str, list[list[bytes]]] = defaultdict(list)
         self.outputs: dict[str, MemoryOutput] = {}
 
@@ -50,10 +61,12 @@ class MemoryTransport:
         self.outputs[topic] = MemoryOutput(type, self._heard[topic])
         return self.outputs[topic]
 
-    def subscribe(self, node: str, topic: str, type: str, connect: Connect) -> None:
+    def subscribe(
+        self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
+    ) -> None:
         """Subscribe `topic`; outside publishers that come later are offered to `connect`."""
         del node, type
-        self._connects[topic].append(connect)
+        self._connects[topic].append((connect, lost))
 
     def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Connect two nodes of the guard; what passes can be listened to."""
@@ -62,13 +75,23 @@ class MemoryTransport:
 
     def publisher(self, topic: str, peer: Peer) -> Receive:
         """Connect an outside publisher and return what it speaks into."""
-        receivers = [r for connect in self._connects[topic] if (r := connect(peer)) is not None]
+        receivers = []
+        for connect, lost in self._connects[topic]:
+            receive = connect(peer)
+            if receive is not None:
+                receivers.append(receive)
+                self._links[topic, peer].append(lost)
 
         def say(message: bytes) -> None:
             for receive in receivers:
                 receive(message)
 
         return say
+
+    def leave(self, topic: str, peer: Peer) -> None:
+        """Let an outside publisher's connections end."""
+        for lost in self._links.pop((topic, peer), []):
+            lost(peer)
 
     def listen(self, topic: str) -> list[bytes]:
         """Return a list that fills with what the guard publishes on `topic`, latched first."""

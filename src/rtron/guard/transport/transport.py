@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from rtron.messages.encoding import Encoding
+
 Receive = Callable[[bytes], None]
 """Takes one message."""
 
@@ -38,6 +40,14 @@ Connect = Callable[[Peer], Receive | None]
 """Says what takes the messages of a publisher that connected, or None to refuse it."""
 
 
+Lost = Callable[[Peer], None]
+"""Told that the connection to a publisher that was accepted has ended."""
+
+
+def ignore(peer: Peer) -> None:
+    """Do nothing about a lost connection."""
+
+
 class Output(Protocol):
     """A topic that a node of the guard publishes."""
 
@@ -55,7 +65,9 @@ class Output(Protocol):
 
 
 class Transport(Protocol):
-    """A middleware, seen from the guard."""
+    """A middleware, seen from the guard; `encoding` is that of its messages."""
+
+    encoding: Encoding
 
     def now(self) -> int:
         """Return the time of a steady clock, ns."""
@@ -82,7 +94,9 @@ class Transport(Protocol):
         """
         ...
 
-    def subscribe(self, node: str, topic: str, type: str, connect: Connect) -> None:
+    def subscribe(
+        self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
+    ) -> None:
         """Subscribe `topic` as `node`; never hears what this transport publishes."""
         ...
 

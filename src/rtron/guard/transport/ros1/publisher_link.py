@@ -8,7 +8,7 @@ from concurrent.futures import Executor, Future
 from rtron.errors import RTronError, WireError
 from rtron.guard.transport.ros1.handshake import Wish, connect
 from rtron.guard.transport.ros1.loop import Loop
-from rtron.guard.transport.transport import Connect, Peer, Receive
+from rtron.guard.transport.transport import Connect, Lost, Peer, Receive
 from rtron.wire.tcpros import FrameReader
 
 log = logging.getLogger(__name__)
@@ -23,13 +23,15 @@ class PublisherLink:
     """Connects to the publisher at `uri`, hands its messages on, and reconnects with back-off."""
 
     def __init__(
-        self, loop: Loop, workers: Executor, wish: Wish, uri: str, accept: Connect
+        self, loop: Loop, workers: Executor, wish: Wish, uri: str, accept: Connect, lost: Lost
     ) -> None:
         self._loop = loop
         self._workers = workers
         self._wish = wish
         self.uri = uri
         self._accept = accept
+        self._lost = lost
+        self._peer: Peer | None = None
         self._receive: Receive | None = None
         self._sock: socket.socket | None = None
         self._reader = FrameReader()
@@ -79,6 +81,7 @@ class PublisherLink:
             self._try_later(f"{peer.node} at {self.uri} is refused")
             return
         self.node, self._receive, self._sock = peer.node, receive, sock
+        self._peer = peer
         self._reader = FrameReader()
         self._retry_s, self._said = _FIRST_RETRY_S, ""
         log.info("%s takes %s from %s", self._wish.node, self._wish.topic, peer.node)
@@ -104,6 +107,9 @@ class PublisherLink:
         sock, self._sock = self._sock, None
         if sock is not None:
             self._loop.forget(sock)
+        peer, self._peer = self._peer, None
+        if peer is not None:
+            self._lost(peer)
 
     def _try_later(self, why: str) -> None:
         self.is_closed = self.is_closed or self.outlived
@@ -117,7 +123,7 @@ class PublisherLink:
 
 
 def start(
-    loop: Loop, workers: Executor, wish: Wish, accept: Connect
+    loop: Loop, workers: Executor, wish: Wish, accept: Connect, lost: Lost
 ) -> Callable[[str], PublisherLink]:
     """Return what makes a link from a publisher's address."""
-    return lambda uri: PublisherLink(loop, workers, wish, uri, accept)
+    return lambda uri: PublisherLink(loop, workers, wish, uri, accept, lost)

@@ -14,7 +14,8 @@ from rtron.guard.transport.ros1.publisher_link import start
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.guard.transport.ros1.subscription import Subscription
 from rtron.guard.transport.ros1.tcp_server import TcpServer
-from rtron.guard.transport.transport import Connect, Output, TypeInfo
+from rtron.guard.transport.transport import Connect, Lost, Output, TypeInfo, ignore
+from rtron.messages.encoding import Encoding
 from rtron.wire.address import bind_host, own_host
 
 log = logging.getLogger(__name__)
@@ -24,6 +25,8 @@ _WORKERS = 4
 
 class Ros1Transport:
     """Nodes, topics and a clock on ROS 1; everything happens in the loop's thread."""
+
+    encoding = Encoding.ROS1
 
     def __init__(self, loop: Loop, master: str, host: str | None = None) -> None:
         self._loop = loop
@@ -57,17 +60,19 @@ class Ros1Transport:
         self._registrar.publish(owner, topic)
         return publication
 
-    def subscribe(self, node: str, topic: str, type: str, connect: Connect) -> None:
+    def subscribe(
+        self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
+    ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         wish = Wish(node, topic, type, self._master)
-        link = start(self._loop, self._own_workers(topic), wish, connect)
+        link = start(self._loop, self._own_workers(topic), wish, connect, lost)
         self._subscribe(node, Subscription(topic, type, link))
 
     def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
         output = self.advertise(publisher, topic, type)
         wish = Wish(subscriber, topic, type, self._master)
-        link = start(self._loop, self._own_workers(topic), wish, lambda peer: None)
+        link = start(self._loop, self._own_workers(topic), wish, lambda peer: None, ignore)
         self._subscribe(subscriber, Subscription(topic, type, link, joined=True))
         return output
 

@@ -1,0 +1,82 @@
+"""A policy about velocities, asked about messages: decoded once, and encoded again if changed."""
+
+from collections.abc import Sequence
+
+from rtron.errors import WireError
+from rtron.messages.velocity import VelocityCodec
+from rtron.policies.limiting import Limiting
+from rtron.policies.policy import Release
+from rtron.vocabulary import Decision, Velocity, Verdict
+
+
+class Decoding:
+    """Stands before a policy that limits velocities; what it cannot read is no velocity.
+
+    Until `learn` has told the type of the messages, nothing can be read, and nothing passes.
+    """
+
+    __slots__ = ("_codec", "_last", "_policy")
+
+    def __init__(self, policy: Limiting) -> None:
+        self._policy = policy
+        self._codec: VelocityCodec | None = None
+        self._last = b""
+
+    def learn(self, codec: VelocityCodec) -> None:
+        """Take how the topic's messages are laid out."""
+        self._codec = codec
+        self._policy.reissues = codec.is_limit
+
+    def verdict(self, flow: str, message: object, now: int) -> Verdict:
+        """Ask the policy about the velocity in `message`."""
+        data: bytes = message  # type: ignore[assignment]
+        verdict = self._policy.verdict(flow, self._read(data), now)
+        if verdict.decision is Decision.DROP:
+            return verdict
+        self._last = data
+        return verdict if verdict.decision is Decision.PASS else self._changed(verdict)
+
+    def refusal(self, flow: str, now: int) -> Verdict | None:
+        """Return the policy's refusal."""
+        return self._policy.refusal(flow, now)
+
+    def observe_done(self, now: int) -> None:
+        """Nothing is in progress here."""
+
+    def tick(self, now: int) -> Sequence[Release]:
+        """Return what goes out again, as messages."""
+        made = (self._changed(release.verdict) for release in self._policy.tick(now))
+        return [Release(verdict.message, verdict) for verdict in made]
+
+    def close(self) -> Sequence[Release]:
+        """Nothing is ever held."""
+        return ()
+
+    def deadline(self) -> int | None:
+        """Return when the policy wants to be asked again."""
+        return self._policy.deadline()
+
+    @property
+    def owner(self) -> str | None:
+        """The policy's owner."""
+        return self._policy.owner
+
+    def _read(self, message: bytes) -> Velocity | str:
+        codec = self._codec
+        if codec is None:
+            return "messages of this type hold no velocity that is known"
+        try:
+            velocity = codec.decode(message)
+        except WireError as error:
+            return f"no velocity: {error}"
+        if codec.is_limit and velocity.linear[0] < 0:
+            return "a maximal velocity is not negative"
+        return velocity
+
+    def _changed(self, verdict: Verdict) -> Verdict:
+        if self._codec is None or not isinstance(verdict.message, Velocity):
+            raise AssertionError("only a velocity that was decoded is changed")
+        made = self._codec.encode(self._last, verdict.message)
+        return Verdict(
+            verdict.decision, verdict.flow, verdict.policy, verdict.reason, verdict.revision, made
+        )

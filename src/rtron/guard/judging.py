@@ -1,0 +1,44 @@
+"""From the expressions of a plan to what judges messages by them."""
+
+from collections.abc import Callable, Sequence
+
+from rtron.errors import PlanError
+from rtron.messages.definition import Definitions
+from rtron.messages.encoding import Encoding
+from rtron.messages.judge import Judge
+from rtron.policies.rule_block import Judgement
+from rtron.vocabulary import MSRCN, Plan
+
+Judging = Callable[[bytes], Sequence[Judgement]]
+"""Judges a message by several expressions, in their order."""
+
+
+class Judges:
+    """Makes judges for the message types of a plan, with the areas and transforms of its MSRCN."""
+
+    def __init__(self, plan: Plan, msrcn: MSRCN) -> None:
+        self._definitions = Definitions(plan.messages, ros=plan.ros)
+        self._encoding = Encoding.ROS1 if plan.ros == 1 else Encoding.CDR
+        self._msrcn = msrcn
+
+    def make(
+        self, type: str, subject: str, texts: Sequence[str], frames: Sequence[str]
+    ) -> tuple[str, Judging]:
+        """Return the MD5 sum of `type`, and what judges its messages by `texts`.
+
+        PlanError if the type is not known or an expression cannot be used.
+        """
+        definition = self._definitions.find(type)
+        if definition is None:
+            help = "add its definition under `messages`, as `rosmsg show -r` prints it"
+            raise PlanError(f"no definition of {type or 'a type that is not named'}", help=help)
+        judge = Judge(
+            definition,
+            texts,
+            subject=subject,
+            encoding=self._encoding,
+            areas=self._msrcn.areas,
+            transforms=self._msrcn.transforms,
+            frames=frames,
+        )
+        return definition.md5sum, judge.judge

@@ -1,0 +1,79 @@
+"""A supervised override: for a while, what a coordination node would forbid passes, and is told."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rtron.guard.decoding import Decoding
+from rtron.messages.velocity import VelocityCodec
+from rtron.policies.policy import Policy, Release
+from rtron.vocabulary import UNAPPROVED, Decision, Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """Who lets what pass, why, and until when (ns)."""
+
+    by: str
+    why: str
+    until: int
+
+
+class Overridable:
+    """Stands before a policy that holds no messages; an override lets approved flows pass.
+
+    What cannot be judged, and who is not approved, is refused all the same.
+    """
+
+    __slots__ = ("_policy", "override")
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy = policy
+        self.override: Override | None = None
+
+    def learn(self, codec: VelocityCodec) -> None:
+        """Tell a policy that looks into messages how these are laid out."""
+        if isinstance(self._policy, Decoding):
+            self._policy.learn(codec)
+
+    def verdict(self, flow: str, message: object, now: int) -> Verdict:
+        """Return the policy's verdict, or that it is overridden."""
+        verdict = self._policy.verdict(flow, message, now)
+        if self.override is None or verdict.decision is Decision.PASS:
+            return verdict
+        return self._overridden(verdict, self.override, now)
+
+    def refusal(self, flow: str, now: int) -> Verdict | None:
+        """Return the policy's refusal, unless it is overridden."""
+        refusal = self._policy.refusal(flow, now)
+        if refusal is None or self.override is None:
+            return refusal
+        overridden = self._overridden(refusal, self.override, now)
+        return None if overridden.decision is Decision.PASS else refusal
+
+    def observe_done(self, now: int) -> None:
+        """Tell the policy."""
+        self._policy.observe_done(now)
+
+    def tick(self, now: int) -> Sequence[Release]:
+        """Return what the policy lets go; nothing while it is overridden."""
+        releases = self._policy.tick(now)
+        return () if self.override and now < self.override.until else releases
+
+    def close(self) -> Sequence[Release]:
+        """Return what the policy gives up."""
+        return self._policy.close()
+
+    def deadline(self) -> int | None:
+        """Return when the policy wants to be asked again."""
+        return self._policy.deadline()
+
+    @property
+    def owner(self) -> str | None:
+        """The policy's owner."""
+        return self._policy.owner
+
+    def _overridden(self, verdict: Verdict, override: Override, now: int) -> Verdict:
+        if now >= override.until or verdict.error or verdict.flow == UNAPPROVED:
+            return verdict
+        told = f"overridden by {override.by} ({override.why}): {verdict.reason}"
+        return Verdict(Decision.PASS, verdict.flow, verdict.policy, told, verdict.revision)

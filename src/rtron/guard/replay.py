@@ -1,0 +1,130 @@
+"""A recording played through the same pipelines as a running app, with the recording's clock."""
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+
+from rtron.guard.guarded import GuardedStream
+from rtron.guard.host import Host
+from rtron.guard.recorded import Places, Recorded
+from rtron.guard.senses import senses_of
+from rtron.guard.transport.memory import MemoryTransport
+from rtron.guard.transport.transport import Receive
+from rtron.messages.encoding import Encoding
+from rtron.vocabulary import (
+    Change,
+    FlowCount,
+    Plan,
+    Replay,
+    StreamCount,
+    Verdict,
+)
+
+MOST_CHANGES = 10_000
+_STEP = 10_000
+Message = tuple[int, Recorded, bytes]
+"""A recorded message: its time (ns), what it belongs to, and its bytes as the guard sees them."""
+
+
+class Player:
+    """Plays messages in the order of their times; what the guard would have said is noted.
+
+    Time that goes back in a recording stands still here.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._places = Places.of(plan)
+        self._transport = MemoryTransport(Encoding.ROS1 if plan.ros == 1 else Encoding.CDR)
+        self._host = Host(self._transport, self._places.streams, senses_of(plan))
+        self._receivers: dict[Recorded, Receive] = {}
+        self._changes: list[Change] = []
+        self._unseen = 0
+        self._notes: list[str] = []
+        self._messages = 0
+        self._began: int | None = None
+        self._host.open()
+        for guarded in self._host.guarded:
+            guarded.pipeline.changed = partial(self._changed, guarded.stream.topic)
+
+    def play(self, messages: Iterable[Message], progress: Callable[[int], None]) -> Replay:
+        """Play messages and return what was found so far; `progress` is told how many were read."""
+        transport, receivers = self._transport, self._receivers
+        for time, recorded, data in messages:
+            if self._began is None:
+                self._began = time
+            ahead = time - self._began - transport.now()
+            if ahead > 0:
+                transport.advance(ahead)
+            receive = receivers.get(recorded) or self._connect(recorded)
+            receive(data)
+            self._messages += 1
+            if self._messages % _STEP == 0:
+                progress(self._messages)
+        return self._found()
+
+    def _connect(self, recorded: Recorded) -> Receive:
+        topic = self._places.topic(recorded)
+        if not recorded.publisher:
+            self._note(recorded)
+        receive = self._transport.publisher(topic, self._places.peer(recorded)) if topic else _skip
+        self._receivers[recorded] = receive
+        return receive
+
+    def _note(self, recorded: Recorded) -> None:
+        taken = self._places.publisher(recorded)
+        who = f"taken for {taken}" if taken else "nobody that the plan knows"
+        self._notes.append(f"{recorded.topic}: its publisher is not recorded: {who}")
+
+    def _changed(self, topic: str, verdict: Verdict) -> None:
+        if len(self._changes) >= MOST_CHANGES:
+            self._unseen += 1
+            return
+        self._changes.append(
+            Change(
+                at=self._transport.now(),
+                topic=topic,
+                flow=verdict.flow,
+                decision=verdict.decision,
+                policy=verdict.policy,
+                reason=verdict.reason,
+            )
+        )
+
+    def _found(self) -> Replay:
+        return Replay(
+            messages=self._messages,
+            duration=self._transport.now(),
+            streams=tuple(map(_count, self._host.guarded)),
+            changes=tuple(self._changes),
+            notes=(*dict.fromkeys(self._notes), *_strangers(self._host.guarded)),
+            unseen=self._unseen,
+        )
+
+
+def _strangers(guarded: Iterable[GuardedStream]) -> Iterator[str]:
+    for each in guarded:
+        if each.strangers:
+            yield f"{each.stream.topic}: not in the plan: {', '.join(each.strangers)}"
+
+
+def _skip(_message: bytes) -> None:
+    """Play nothing: the guard itself said this."""
+
+
+def _count(guarded: GuardedStream) -> StreamCount:
+    publishers = {flow.name: flow.publisher for flow in guarded.stream.flows}
+    return StreamCount(
+        topic=guarded.stream.topic,
+        nodes=tuple(stage.id for stage in guarded.stream.stages),
+        flows=tuple(
+            FlowCount(
+                flow=name,
+                publisher=publishers.get(name, ""),
+                passed=tally.passed,
+                held=tally.held,
+                dropped=tally.dropped,
+                modified=tally.modified,
+            )
+            for name, tally in guarded.pipeline.tallies.items()
+        ),
+        stops=guarded.stopper.stops,
+    )

@@ -1,0 +1,52 @@
+"""What a publisher says that its messages are, and how to look into them."""
+
+from collections.abc import Callable
+
+from rtron.errors import InputError
+from rtron.guard.transport.transport import TypeInfo
+from rtron.messages.definition import Definition, Definitions, parse_definition
+from rtron.messages.encoding import Encoding
+from rtron.messages.stamp import stamp_reader
+from rtron.messages.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
+from rtron.policies.frame_rate import NO_STAMP
+from rtron.vocabulary import normalise_type
+
+_STANDARD = {
+    Encoding.ROS1: Definitions(),
+    Encoding.CDR: Definitions(ros=2),
+}
+
+
+def codec_of(info: TypeInfo, encoding: Encoding) -> VelocityCodec | None:
+    """Return how to read the velocities of a publisher, None if its messages hold none."""
+    if normalise_type(info.type) not in VELOCITY_TYPES:
+        return None
+    definition = _definition(info, encoding)
+    return velocity_codec(definition, encoding) if definition else None
+
+
+def stamp_of(info: TypeInfo, encoding: Encoding) -> Callable[[bytes], int]:
+    """Return how to read the stamps of a publisher's messages; those without have stamp 0."""
+    definition = _definition(info, encoding)
+    reader = stamp_reader(definition, encoding) if definition else None
+    return reader or _no_stamp
+
+
+def _definition(info: TypeInfo, encoding: Encoding) -> Definition | None:
+    """Return what the publisher's MD5 sum stands for: its own text, or the standard one."""
+    told = _told(info)
+    if told and told.md5sum == info.md5sum:
+        return told
+    standard = _STANDARD[encoding].find(info.type)
+    return standard if standard and standard.md5sum == info.md5sum else None
+
+
+def _told(info: TypeInfo) -> Definition | None:
+    try:
+        return parse_definition(info.type, info.definition)
+    except InputError:
+        return None
+
+
+def _no_stamp(_message: bytes) -> int:
+    return NO_STAMP

@@ -1,0 +1,173 @@
+"""Supervised overrides: asked for through the guard's door, in force for a while, never beyond."""
+
+import json
+import os
+import socket
+import threading
+from contextlib import suppress
+
+import pytest
+from streams import peer
+from test_guarded_limits import NAV, OUT, VELOCITY, guarded, plan
+from velocities import speeds, twist
+
+from rtron.errors import SourceError, WireError
+from rtron.guard.control import Control, control_path
+from rtron.guard.overriding import LONGEST, Overriding
+from rtron.guard.transport.ros1.loop import Loop
+from rtron.vocabulary import SECOND, PolicyName
+
+
+def limited():
+    transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2))
+    driver = transport.listen(OUT)
+    return transport, transport.publisher(NAV, peer("/nav")), driver, Overriding(host, transport)
+
+
+def asked(duration, reason="docking", id="rsrcn"):
+    return {"override": id, "duration": duration, "reason": reason}
+
+
+def test_what_was_limited_passes_until_the_override_expires():
+    transport, nav, driver, overriding = limited()
+    overriding.answer("ann", asked(SECOND))
+    nav(twist(1.0))
+    transport.advance(SECOND - 1)
+    nav(twist(1.0))
+    transport.advance(1)
+    nav(twist(1.0))
+    assert [x for x, _ in speeds(driver)] == [1.0, 1.0, 0.2]
+
+
+def test_an_override_can_be_ended_before_its_time():
+    _, nav, driver, overriding = limited()
+    overriding.answer("ann", asked(SECOND))
+    overriding.answer("ann", asked(0, reason=""))
+    nav(twist(1.0))
+    assert [x for x, _ in speeds(driver)] == [0.2]
+
+
+def test_the_verdict_tells_who_overrode_it_and_why():
+    transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2))
+    Overriding(host, transport).answer("ann", asked(SECOND))
+    transport.publisher(NAV, peer("/nav"))(twist(1.0))
+    reason = host.guarded[0].pipeline.tallies["vflow1"].last.reason
+    assert reason == "overridden by ann (docking): limited to 0.2 m/s (max_vel_limit)"
+
+
+def test_an_override_is_told_while_it_lasts():
+    transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2))
+    Overriding(host, transport).answer("ann", asked(3 * SECOND))
+    assert host.statuses()[0].values["overridden rsrcn"] == "by ann, 3 s left: docking"
+    assert host.statuses()[0].level == 1
+    transport.advance(3 * SECOND)
+    assert "overridden rsrcn" not in host.statuses()[0].values
+    assert host.statuses()[0].level == 0
+
+
+def test_what_cannot_be_judged_and_who_is_unknown_stay_out():
+    transport, nav, driver, overriding = limited()
+    overriding.answer("ann", asked(SECOND))
+    nav(twist(float("nan")))
+    transport.publisher("/cmd_vel", peer("/rogue"))(twist(1.0))
+    transport.publisher(NAV, peer("/rogue"))(twist(1.0))
+    assert driver == []
+
+
+def test_a_limit_of_zero_stops_the_robot_again_when_the_override_expires():
+    transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.0))
+    driver = transport.listen(OUT)
+    Overriding(host, transport).answer("ann", asked(SECOND))
+    transport.publisher(NAV, peer("/nav"))(twist(1.0))
+    transport.advance(SECOND)
+    assert [x for x, _ in speeds(driver)] == pytest.approx([1.0, 0.875])
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        {},
+        asked(SECOND) | {"more": 1},
+        asked(SECOND, id="grcn_cmd_vel"),
+        asked(SECOND, id=None),
+        asked(SECOND, reason="  "),
+        asked(SECOND, reason=3),
+        asked(-1),
+        asked(LONGEST + 1),
+        asked(duration=True),
+        asked(1.5),
+    ],
+)
+def test_a_request_that_is_wrong_grants_nothing(request_):
+    _, nav, driver, overriding = limited()
+    with pytest.raises(WireError):
+        overriding.answer("ann", request_)
+    nav(twist(1.0))
+    assert [x for x, _ in speeds(driver)] == [0.2]
+
+
+@pytest.fixture
+def door(tmp_path):
+    """A loop in a thread of its own, with a door that tells what it was asked."""
+    loop = Loop()
+    path = tmp_path / "door" / "guard.sock"
+    control = Control(loop, path, lambda who, request: {"who": who, **request})
+    thread = threading.Thread(target=loop.run)
+    thread.start()
+    yield path
+    loop.post(loop.stop)
+    thread.join()
+    control.close()
+    loop.close()
+
+
+def talk(path, data):
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
+        sock.settimeout(5)
+        sock.connect(str(path))
+        sock.sendall(data)
+        sock.shutdown(socket.SHUT_WR)
+        return sock.makefile("rb").read()
+
+
+def test_the_door_answers_line_by_line_and_knows_who_asks(door):
+    answers = talk(door, b'{"a": 1}\n{"a": 2}\n').splitlines()
+    assert [json.loads(answer)["a"] for answer in answers] == [1, 2]
+    assert json.loads(answers[0])["who"]
+
+
+@pytest.mark.parametrize(
+    "data", [b"\n", b"{\n", b"[]\n", b"\xff\xfe\n", b"[" * 3000 + b"\n", b'{"a":NaN' + b"\n"]
+)
+def test_the_door_refuses_what_is_no_request_and_stays_open(door, data):
+    assert "error" in json.loads(talk(door, data))
+    assert talk(door, b'{"a": 1}\n')
+
+
+def test_the_door_does_not_collect_a_line_without_end(door):
+    answered = b""
+    with suppress(ConnectionError):
+        answered = talk(door, b"x" * 20_000)
+    assert answered == b""
+    assert talk(door, b'{"a": 1}\n')
+
+
+def test_only_the_guard_s_user_can_reach_the_door(door):
+    assert door.stat().st_mode & 0o077 == 0
+    assert door.parent.stat().st_mode & 0o077 == 0
+
+
+def test_a_folder_that_others_may_enter_is_refused(tmp_path):
+    folder = tmp_path / "open"
+    folder.mkdir(mode=0o755)
+    loop = Loop()
+    with pytest.raises(SourceError, match="others may enter"):
+        Control(loop, folder / "guard.sock", lambda who, request: {})
+    loop.close()
+
+
+def test_the_door_of_an_app_lies_in_the_user_s_own_folder(monkeypatch):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", "/run/user/1000")
+    assert str(control_path("my app/../x")) == "/run/user/1000/rtron-my_app____x.sock"
+    monkeypatch.delenv("XDG_RUNTIME_DIR")
+    assert control_path("").parent.name == f"rtron-{os.getuid()}"
