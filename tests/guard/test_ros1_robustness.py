@@ -31,8 +31,8 @@ grcn:
     policy: Preemption
     successors: [/driver]
     flows:
-      - {name: flow1, publisher: /nav, priority: 2}
-      - {name: flow2, publisher: /teleop, priority: 1}
+      - {name: flow1, publisher: /nav, priority: 2, on_silence: release}
+      - {name: flow2, publisher: /teleop, priority: 1, on_silence: release}
 """
 HOSTILE = {
     "half open": b"",

@@ -36,12 +36,13 @@ def components(limit):
 
 
 def velocities(limit: float, count: int, seed: int) -> Iterator[Velocity]:
-    """Yield `count` velocities like those of a Twist; one in ten holds no numbers."""
+    """Yield `count` velocities like those of a Twist: half of the components 0, one in 60 none."""
     rng = random.Random(seed)
     known = components(limit)
     usual = [rng.uniform(-3 * limit, 3 * limit) for _ in range(4 * len(known))]
     pool = [*known, *(each for each in usual if math.isfinite(each))]
-    pool += NO_NUMBERS * (len(pool) // 170 + 1)
+    pool += NO_NUMBERS * (len(pool) // 85 + 1)
+    pool += [0.0] * len(pool)
     while count > 0:
         some = min(count, MESSAGES_AT_ONCE)
         drawn = rng.choices(pool, k=6 * some)

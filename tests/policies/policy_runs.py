@@ -6,6 +6,7 @@ from hypothesis import settings as effort
 from hypothesis import strategies as st
 
 from rtron.policies import build
+from rtron.policies.machine import Machine
 from rtron.vocabulary import (
     UNAPPROVED,
     Decision,
@@ -46,6 +47,24 @@ def settings(policy, kind=StreamKind.COMMAND, flows=FLOWS, **others):
 def timeout_of(flow, chosen):
     timeout = next(f.timeout for f in chosen.flows if f.name == flow)
     return chosen.release_after if timeout is None else timeout
+
+
+class Watched(Machine):
+    """A machine that notes the effects of its steps."""
+
+    def __init__(self, machine):
+        super().__init__(machine._table, machine.state)
+        self.effects = []
+
+    def step(self, input):
+        self.effects.append(super().step(input))
+        return self.effects[-1]
+
+
+def watch_effects(policy):
+    """Return a list that gets the effect of every step of a policy's machine."""
+    policy._machine = Watched(policy._machine)
+    return policy._machine.effects
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,24 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from limit_runs import HOSTILE, LEAST_NORMAL, NO_NUMBERS, alike, components, violations
-from policy_runs import APPROVED, BLOCKED, FLOWS, HIGH, LOW, MIDDLE, STRANGER, often, settings
+from policy_runs import (
+    APPROVED,
+    BLOCKED,
+    FLOWS,
+    HIGH,
+    LOW,
+    MIDDLE,
+    STRANGER,
+    often,
+    settings,
+    watch_effects,
+)
 from sense_models import NaiveRates
 
 from rtron.errors import PlanError
 from rtron.policies import Rates, build
 from rtron.policies.limiting import REISSUE_PERIOD, Limit, Limiting, State
+from rtron.policies.machine import Effect
 from rtron.vocabulary import (
     SECOND,
     UNAPPROVED,
@@ -142,7 +154,7 @@ def test_what_is_almost_nothing_passes_untouched(value):
 def test_what_is_no_velocity_is_dropped_with_what_is_said_about_it():
     verdict = limited(0.5, "no velocity: too short")
     assert (verdict.decision, verdict.error) == (DROP, True)
-    assert verdict.reason == "no velocity: too short"
+    assert (verdict.flow, verdict.reason) == (LOW, "no velocity: too short")
     for other in (None, b"", 0.3):
         assert limited(0.5, other) == limited(0.5, Velocity((math.nan,)))
 
@@ -523,6 +535,7 @@ class LimitRun:
             self.rates.monitors["fps_a"].frame(self.stamp, self.now)
         else:
             verdict = self.limit.verdict(flow, Velocity((what,)), self.now)
+            assert (verdict.flow, verdict.policy) == (flow, self.policy)
             self.out.append((self.now, False, verdict))
 
 
@@ -577,6 +590,16 @@ def went_on(steps, out):
         if verdict.decision is not DROP:
             found.append((now, verdict.message.speed if verdict.message else said))
     return found
+
+
+@often
+@given(any_limit, st.sampled_from([FLOWS, EQUAL]), st.booleans(), recordings)
+def test_what_is_done_is_the_effect_in_the_table(policy, flows, reissues, steps):
+    run = LimitRun(policy, flows, reissues, busy=False)
+    effects = watch_effects(run.limit)
+    run.play(steps)
+    done = [Effect.REISSUE if again else Effect[v.decision.name] for _, again, v in run.out]
+    assert effects == done
 
 
 @often

@@ -24,8 +24,10 @@ from policy_runs import (
     settings,
     steps,
     timeout_of,
+    watch_effects,
 )
 
+from rtron.policies.machine import Effect
 from rtron.vocabulary import Decision, PolicyName, StreamKind
 
 OF_GRCN = (PolicyName.BLOCK, PolicyName.PREEMPTION, *QUEUES)
@@ -221,3 +223,31 @@ def test_a_refusal_is_what_any_message_would_be_dropped_with(chosen, steps, prom
     if refusal is not None:
         assert refusal == run.policy.verdict(flow, "any", run.now)
         assert refusal.decision is Decision.DROP
+
+
+@often
+@given(any_settings, steps)
+def test_what_is_done_is_the_effect_in_the_table(chosen, steps):
+    run = Run(chosen)
+    effects = watch_effects(run.policy)
+    for gap, what in steps:
+        effects.clear()
+        run.now += gap
+        if what in (TICK, DONE):
+            run.do(what)
+            assert set(effects) <= {Effect.NOTHING, Effect.LET_GO}
+        else:
+            decision = run.say(what)
+            assert effects[-1] is Effect[decision.name]
+            assert set(effects[:-1]) <= {Effect.NOTHING}
+
+
+@often
+@given(queue_settings(), steps)
+def test_each_message_that_a_tick_lets_go_is_a_step_in_the_table(chosen, steps):
+    run = Run(chosen)
+    effects = watch_effects(run.policy)
+    run.play(steps)
+    effects.clear()
+    gone = [decision for _, decision in run.tick()]
+    assert effects.count(Effect.LET_GO) == gone.count(Decision.PASS)

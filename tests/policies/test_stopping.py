@@ -5,8 +5,9 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from policy_runs import often
+from policy_runs import TICK, often, watch_effects
 
+from rtron.policies.machine import Effect
 from rtron.policies.stopping import LONGEST, Ramp, State, Stopping
 from rtron.vocabulary import SECOND, Flow, OnSilence, Stop, Velocity
 
@@ -320,3 +321,23 @@ def test_why_is_told_exactly_while_the_wave_is_sent(steps):
             made.refuse("blocked", now)
         assert bool(made.why) is (state(made) is State.STOPPING)
         assert (made.flow is None) is (state(made) is not State.MOVING)
+
+
+@often
+@given(story)
+def test_what_is_done_is_the_effect_in_the_table(steps):
+    now, made = 0, stopping()
+    effects = watch_effects(made)
+    for gap, what, flow in steps:
+        now += gap
+        for act in (TICK, what):
+            before, stepped = made.why, len(effects)
+            if act == TICK:
+                made.tick(now)
+            elif act == SAID:
+                made.said(flow, now)
+            else:
+                made.refuse("blocked", now)
+            stops = bool(made.why) and not before
+            assert effects[stepped:].count(Effect.STOP) == stops
+            assert set(effects) <= {Effect.NOTHING, Effect.STOP}

@@ -29,8 +29,8 @@ def compile_driver(folder):
 def drive_plan():
     """Return the plan: navigation goes before the rogue, on the way to the driver."""
     flows = (
-        Flow(name="flow1", publisher="/nav", priority=2),
-        Flow(name="flow2", publisher="/rogue", priority=1),
+        Flow(name="flow1", publisher="/nav", priority=2, silent_after=SECOND),
+        Flow(name="flow2", publisher="/rogue", priority=1, silent_after=SECOND),
     )
     return plan_of(grcn(CMD_VEL, (), ["/driver"], flows=flows, release_after=SECOND), app="base")
 
@@ -120,11 +120,11 @@ class Base:
         return (f"{CMD_VEL}:={self.topic(end)}",) if self.guarded else ()
 
 
-def start_guard(ros1, plan, node):
+def start_guard(ros1, plan, node, *more):
     """Start `rtron guard` with a plan and wait for its node."""
     path = ros1.folder / "rtron.yaml"
     path.write_text(write_plan(plan))
-    guard = ros1.rtron("guard", "--plan", path)
+    guard = ros1.rtron("guard", "--plan", path, *more)
     ros1.wait_for_nodes(node)
     return guard
 

@@ -1,4 +1,4 @@
-"""Places on the ground: inside an area, the distance to one, and turned into another frame."""
+"""Places on the ground: the edges of areas, and motions from one frame into another."""
 
 import math
 from collections.abc import Sequence
@@ -12,56 +12,39 @@ TOLERANCE = 1e-9
 XY = tuple[float, float]
 
 
-class Polygon:
-    """An area: the places in a polygon and on its edge (even-odd rule)."""
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """An edge from (x, y) on: `dx`, `dy` to its end, `end` the end's y.
 
-    __slots__ = ("_edges", "_high", "_low")
+    `slope` is dx/dy, `inverse` 1 by the square of its length; 0 where that cannot be.
+    """
 
-    def __init__(self, corners: Sequence[Point]) -> None:
-        self._edges = tuple((corners[index - 1], end) for index, end in enumerate(corners))
-        xs, ys = [each.x for each in corners], [each.y for each in corners]
-        self._low = min(xs) - TOLERANCE, min(ys) - TOLERANCE
-        self._high = max(xs) + TOLERANCE, max(ys) + TOLERANCE
-
-    def contains(self, place: XY) -> bool:
-        """Tell whether a place lies inside; ValueError if it is not finite."""
-        x, y = _finite(place)
-        low, high = self._low, self._high
-        if not (low[0] <= x <= high[0] and low[1] <= y <= high[1]):
-            return False
-        found = False
-        for start, end in self._edges:
-            if (start.y > y) != (end.y > y):
-                crossing = start.x + (y - start.y) / (end.y - start.y) * (end.x - start.x)
-                found ^= x < crossing
-        return found or self._to_edge(place) <= TOLERANCE
-
-    def distance(self, place: XY) -> float:
-        """Return how far away a place is (m), 0 inside; ValueError if it is not finite."""
-        return 0.0 if self.contains(place) else self._to_edge(place)
-
-    def _to_edge(self, place: XY) -> float:
-        return min(_to_segment(place, start, end) for start, end in self._edges)
+    x: float
+    y: float
+    end: float
+    dx: float
+    dy: float
+    slope: float
+    inverse: float
 
 
-def distance(one: XY, other: XY) -> float:
-    """Return the distance of two places (m); ValueError if one is not finite."""
-    return math.dist(_finite(one), _finite(other))
+def edges(corners: Sequence[Point]) -> list[Edge]:
+    """Return the edges of a polygon."""
+    return [_edge(corners[index - 1], corner) for index, corner in enumerate(corners)]
 
 
-def _finite(place: XY) -> XY:
-    if not (math.isfinite(place[0]) and math.isfinite(place[1])):
-        raise ValueError("a position is not finite")
-    return place
-
-
-def _to_segment(place: XY, start: Point, end: Point) -> float:
-    along = end.x - start.x, end.y - start.y
-    length = along[0] ** 2 + along[1] ** 2
-    to_place = place[0] - start.x, place[1] - start.y
-    share = (to_place[0] * along[0] + to_place[1] * along[1]) / length if length else 0.0
-    share = min(max(share, 0.0), 1.0)
-    return math.hypot(to_place[0] - share * along[0], to_place[1] - share * along[1])
+def _edge(start: Point, end: Point) -> Edge:
+    dx, dy = end.x - start.x, end.y - start.y
+    square = dx * dx + dy * dy
+    return Edge(
+        x=start.x,
+        y=start.y,
+        end=end.y,
+        dx=dx,
+        dy=dy,
+        slope=dx / dy if dy else 0.0,
+        inverse=1 / square if square else 0.0,
+    )
 
 
 @dataclass(frozen=True, slots=True)
