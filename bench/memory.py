@@ -1,14 +1,12 @@
 """The guard's memory: after the start, after 100,000 and after 10 million messages."""
 
-import json
-import subprocess
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from bench.part import Say
 from bench.settings import MEMORY_SECONDS, MESSAGES
-from bench.site import Site, complaints, end, python, start
+from bench.site import Site, python, result_of
 from bench.way import Way, guard, relay
 from figures.figure import Figure
 
@@ -60,13 +58,8 @@ def _flood(here: Site, way: Way, count: int) -> dict[str, int]:
     """Send `count` messages, as many as get through in the time."""
     ends = ("--publish", way.inputs[0], "--subscribe", way.outputs[0])
     window = ("--window", str(_WINDOWS[way.name]), "--limit", str(MEMORY_SECONDS))
-    process = start(here, python("bench.flood", *ends, *window, "--count", str(count)), piped=True)
-    try:
-        result: dict[str, int] | None = json.loads(process.communicate()[0] or "null")
-    finally:
-        end(process)
-    if result is None:
-        raise subprocess.SubprocessError(complaints(here))
+    count_option = ("--count", str(count))
+    result: dict[str, int] = result_of(here, python("bench.flood", *ends, *window, *count_option))
     return result
 
 

@@ -19,3 +19,9 @@ MEMORY_SECONDS = _number("MEMORY_SECONDS", 600)
 """How long memory is watched at most, s."""
 ENDPOINTS = _number("ENDPOINTS", 1_000_000)
 """Endpoints of the large graph."""
+SILENCES = _number("SILENCES", 200)
+"""How often a stream falls silent, idle and busy."""
+VIOLATIONS = _number("VIOLATIONS", 10_000_000)
+"""Velocities that are generated."""
+REPLAYED = _number("REPLAYED", 200_000)
+"""Messages of a bag that is replayed."""

@@ -1,5 +1,6 @@
 """Where it is measured: a ROS master of our own, and processes that end with their block."""
 
+import json
 import os
 import signal
 import socket
@@ -11,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 _START_S = 20.0
 _STOP_S = 5.0
@@ -68,6 +70,18 @@ def end(process: subprocess.Popen[str], stop: signal.Signals = signal.SIGTERM) -
     for pipe in (process.stdin, process.stdout):
         if pipe:
             pipe.close()
+
+
+def result_of(here: Site, command: Sequence[str]) -> Any:  # noqa: ANN401 - any JSON value
+    """Run a command to its end and return what it prints, a line of JSON."""
+    process = start(here, command, piped=True)
+    try:
+        printed = process.communicate()[0]
+    finally:
+        end(process)
+    if not printed:
+        raise subprocess.SubprocessError(complaints(here))
+    return json.loads(printed)
 
 
 def python(module: str, *args: str) -> list[str]:

@@ -2,7 +2,10 @@
 
 from bench.plans import grcn
 from bench.way import PUBLISHER
-from rtron.guard.run import run_streams
+from rtron.guard.host import Host
+from rtron.guard.run import run_host
+from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import CoordinationKind, Mode, PolicySettings, Stage, Stream
 from rtron.wire.address import master_uri
 
@@ -28,4 +31,6 @@ def ten_stages() -> Stream:
 
 
 if __name__ == "__main__":
-    run_streams((ten_stages(),), master_uri())
+    loop = Loop()
+    transport = Ros1Transport(loop, master_uri())
+    run_host(Host(transport, (ten_stages(),)), transport, loop)

@@ -1,6 +1,7 @@
 """The ways from a publisher to a subscriber: direct, through peers, through the guard."""
 
 import signal
+import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, field
@@ -75,11 +76,12 @@ def guard(*grcns: GRCN) -> Way:
         for flow in node.flows
     ]
     outputs = [output_topic(node.topic) for node in chosen]
-    return Way("guard", inputs, outputs, lambda s: _guard(s, plan))
+    return Way("guard", inputs, outputs, lambda s: guarding(s, plan))
 
 
 @contextmanager
-def _guard(here: Site, plan: Plan) -> Iterator[Any]:
+def guarding(here: Site, plan: Plan) -> Iterator[subprocess.Popen[str]]:
+    """Run a guard with this plan until the end of the block."""
     path = here.folder / "rtron.yaml"
     path.write_text(write_plan(plan), encoding="utf-8")
     command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")

@@ -8,6 +8,7 @@ from velocities import speeds, twist
 from rtron.guard.host import Host
 from rtron.guard.senses import senses_of
 from rtron.guard.transport.memory import MemoryTransport
+from rtron.guard.transport.transport import TypeInfo
 from rtron.vocabulary import MSRCN, SECOND, Mode, Plan, PolicyName, StreamKind, streams
 
 OUT, NAV, TELEOP = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/flow2"
@@ -30,6 +31,15 @@ def test_what_would_be_dropped_passes_and_is_counted():
     tallies = host.guarded[0].pipeline.tallies
     assert [tallies[flow].passed for flow in ("flow1", "flow2", "unapproved")] == [1, 0, 0]
     assert [tallies[flow].dropped for flow in ("flow1", "flow2", "unapproved")] == [0, 1, 1]
+
+
+def test_what_a_stranger_says_passes_only_in_the_type_that_the_approved_have():
+    transport, _, driver = dry(stream())
+    transport.publisher("/cmd_vel", peer("/early"))(twist(1.0))
+    transport.publisher(NAV, peer("/nav"))(twist(2.0))
+    transport.publisher("/cmd_vel", peer("/liar", TypeInfo("std_msgs/String", "x")))(b"bad")
+    transport.publisher("/cmd_vel", peer("/rogue"))(twist(3.0))
+    assert [x for x, _ in speeds(driver)] == [2.0, 3.0]
 
 
 @pytest.mark.parametrize("kind", [StreamKind.COMMAND, StreamKind.ACTION])

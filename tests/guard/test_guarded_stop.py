@@ -161,3 +161,26 @@ def test_a_block_bit_is_no_silence():
     transport.publisher(NAV, peer("/nav"))(twist(1.0))
     transport.advance(5 * SECOND)
     assert driver == []
+
+
+def test_each_silence_is_noticed_in_time_also_when_the_owner_lapses_later():
+    transport, _, driver = guarded()
+    nav = transport.publisher(NAV, peer("/nav"))
+    for _ in range(5):
+        nav(twist(1.0))
+        before = len(driver)
+        transport.advance(SECOND // 4 - 1)
+        assert len(driver) == before
+        transport.advance(1)
+        assert len(driver) == before + 1
+        transport.advance(2 * SECOND)
+
+
+def test_timers_do_not_pile_up():
+    transport, _, _ = guarded()
+    nav = transport.publisher(NAV, peer("/nav"))
+    teleop = transport.publisher(TELEOP, peer("/teleop"))
+    for n in range(2000):
+        (nav if n % 50 < 10 else teleop)(twist(0.1 * (n % 7)))
+        transport.advance(SECOND // 50)
+    assert len(transport._timers) < 20

@@ -5,9 +5,12 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from message_samples import POSE, pose_stamped
+from slow_geometry import TOLERANCE, Polygon, distance
 
-from rtron.messages.geometry import TOLERANCE, Polygon, distance, motion
-from rtron.vocabulary import Point, Transform
+from rtron.messages import Definitions, Encoding, Judge
+from rtron.messages.geometry import motion
+from rtron.vocabulary import Area, Point, Transform
 
 CORNERS = ((0, 0), (4, 0), (4, 4), (2, 1), (0, 4))
 coordinates = st.floats(-1e3, 1e3)
@@ -104,3 +107,42 @@ def test_there_and_back(place, x, y, yaw):
     there = motion(Transform(source="a", target="b", x=x, y=y, yaw=yaw))
     assert there.inverse().apply(*there.apply(*place)) == pytest.approx(place, abs=1e-8)
     assert there.apply(*there.inverse().apply(*place)) == pytest.approx(place, abs=1e-8)
+
+
+@pytest.fixture(scope="module")
+def judged():
+    """Ask where a pose is, in CEL."""
+    pytest.importorskip("cel_expr_python.cel", reason="no CEL on this machine")
+    corners = tuple(Point(x=float(x), y=float(y)) for x, y in CORNERS)
+    at = "event.pose.position"
+    texts = [
+        f"inside({at}, zone)",
+        f"distance({at}, zone) == 0.0",
+        *(f"distance({at}, zone) <= {limit}" for limit in LIMITS),
+        *(f"distance({at}, place(1.0, 1.0)) <= {limit}" for limit in LIMITS),
+    ]
+    return Judge(
+        Definitions().find(POSE), texts, subject="event", encoding=Encoding.ROS1,
+        areas=[Area(name="zone", frame="map", polygon=corners)], frames=["map"] * len(texts),
+    )  # fmt: skip
+
+
+LIMITS = (0.5, 1.0, 3.0, 100.0)
+near = st.one_of(
+    st.floats(-1.0, 5.0),
+    st.sampled_from([0.0, 1.0, 2.0, 4.0]),
+    st.sampled_from([0.0, 1.0, 2.0, 4.0]).map(lambda x: x + TOLERANCE / 2),
+    st.sampled_from([0.0, 1.0, 2.0, 4.0]).map(lambda x: x - TOLERANCE * 2),
+    st.floats(allow_nan=False, allow_infinity=False),
+)
+
+
+@given(x=near, y=near)
+def test_expressions_agree_with_the_plain_way(judged, x, y):
+    found = judged.judge(pose_stamped(Encoding.ROS1, "map", x, y))
+    inside, away = NOTCHED.contains((x, y)), NOTCHED.distance((x, y))
+    assert found[:2] == (inside, inside)
+    for said, limit in zip(found[2:6], LIMITS, strict=True):
+        assert said is (away <= limit) or abs(away - limit) < 1e-9
+    for said, limit in zip(found[6:], LIMITS, strict=True):
+        assert said is (distance((x, y), (1.0, 1.0)) <= limit) or abs(away - limit) < 1e-9

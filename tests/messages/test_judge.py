@@ -4,6 +4,7 @@ import math
 import struct
 import sys
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -311,6 +312,46 @@ def test_loops_are_bounded():
     found = judge(NESTED, message, parse_definition("a/B", "float32[] ranges"))
     assert "budget" in found
     assert time.perf_counter() - started < 5
+
+
+TRICKY = [
+    "inside(event.pose.position, zone) && 'inside(a, b)' != \"inside(c, d)\"",
+    "inside (event.pose.position // where, )\n, zone // why\n)",
+    "[zone].exists(z, inside(event.pose.position, z))",
+    r"'\'inside(' != '' && r'\d' == '\\d' && inside(event.pose.position, zone)",
+    "[true].exists(inside, inside) && inside(event.pose.position, zone)",
+    "'''it's inside(''' != '' && inside(event.pose.position, zone)",
+    "[event.pose.position].all(p, inside(p, zone) && distance(p, zone) == 0.0)",
+    "distance([event.pose.position, place(0.0, 0.0)][0], place(1.0, 5.0)) == 3.0",
+    "distance(place(distance(event.pose.position, zone), 0.0), place(0.0, 2.0)) == 2.0",
+    "inside(event.header.seq > 5 ? event.pose.position : place(-1.0, -1.0), zone)",
+]
+
+
+@pytest.mark.parametrize("text", TRICKY)
+def test_positions_in_any_place_of_a_text(text):
+    definition = KNOWN[Encoding.ROS1].find(POSE)
+    message = pose_stamped(Encoding.ROS1)
+    assert judge(text, message, definition, areas=[square()], frames=["map"]) is True
+
+
+def test_an_area_of_a_distance_is_called_by_its_name():
+    with pytest.raises(InputError, match="too deep a way"):
+        judge("[zone].exists(z, distance(event.pose.position, z) < 1.0)", b"",
+              KNOWN[Encoding.ROS1].find(POSE), areas=[square()])  # fmt: skip
+
+
+def test_no_memory_is_lost():
+    """Functions in Python lost a kilobyte a call."""
+    judged = Judge(KNOWN[Encoding.ROS1].find(POSE), TRICKY[:1], subject="event",
+                   encoding=Encoding.ROS1, areas=[square()])  # fmt: skip
+    message = pose_stamped(Encoding.ROS1)
+    sizes = []
+    for _ in range(2):
+        for _ in range(5000):
+            judged.judge(message)
+        sizes.append(int(Path("/proc/self/statm").read_text().split()[1]))
+    assert (sizes[1] - sizes[0]) * 4096 < 5000 * 100
 
 
 def test_regular_expressions_take_linear_time():

@@ -5,12 +5,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
+from rtron.guard.ends import Ends
 from rtron.guard.override import Overridable
 from rtron.guard.pipeline import Pipeline
 from rtron.guard.senses import Senses
 from rtron.guard.stages import policies_of
 from rtron.guard.stopper import Stopper
-from rtron.guard.transport.transport import Output, Peer, Receive, Transport
+from rtron.guard.transport.transport import Peer, Receive, Transport
 from rtron.guard.types import codec_of
 from rtron.vocabulary import (
     PRIVATE_ROOT,
@@ -23,7 +24,6 @@ from rtron.vocabulary import (
     Verdict,
     flow_topic,
     names_node,
-    output_topic,
 )
 
 log = logging.getLogger(__name__)
@@ -59,16 +59,15 @@ class GuardedStream:
         self._keeps = stream.stages[0].settings.kind is not StreamKind.COMMAND
         self._armed_for: int | None = None
         self._state: tuple[str | None, str] = (None, "")
-        self._latching: dict[str, str | None] = dict.fromkeys(names)
-        self._outputs: list[Output] = []
-        self._mirrors: dict[str, Output] = {}
-        self._joints: list[Output] = []
+        self._ends = Ends(self.stream, self.nodes, transport)
 
     def open(self) -> None:
         """Join the graph."""
         if self.stream.mode is Mode.ENFORCE:
-            self._open_outputs()
-            self._open_inputs()
+            self._ends.open()
+            for flow in self.stream.flows:
+                topic = flow_topic(self.stream.topic, flow.name)
+                self._subscribe(topic, partial(self._connect_flow, flow), self.stream.type)
         self._subscribe(self.stream.topic, self._connect_public, self.stream.type)
         if self.stream.done:
             self._subscribe(self.stream.done, self._connect_done, "")
@@ -77,8 +76,7 @@ class GuardedStream:
         """Let nothing through any more: a coordination node of the pipeline is gone."""
         log.error("%s: nothing passes any more: %s", self.stream.topic, why)
         self.pipeline.shut(why)
-        for output in (*self._outputs, *self._mirrors.values()):
-            output.forget()
+        self._ends.forget()
         self.attend(self._transport.now())
 
     def attend(self, now: int) -> None:
@@ -89,30 +87,6 @@ class GuardedStream:
         self._settle(now)
         self._tell()
 
-    def _open_outputs(self) -> None:
-        last, stream = self.nodes[-1], self.stream
-        for topic in (output_topic(stream.topic), stream.topic):
-            output = self._transport.advertise(
-                last,
-                topic,
-                stream.type,
-                queue_size=stream.queue_size,
-                successors=() if topic == stream.topic else stream.successors,
-            )
-            self._outputs.append(output)
-        for before, after, stage in zip(self.nodes, self.nodes[1:], stream.stages, strict=False):
-            joint = f"{PRIVATE_ROOT}{stream.topic}/{stage.id}"
-            self._joints.append(self._transport.join(before, after, joint, stream.type))
-
-    def _open_inputs(self) -> None:
-        for flow in self.stream.flows:
-            topic = flow_topic(self.stream.topic, flow.name)
-            self._subscribe(topic, partial(self._connect_flow, flow), self.stream.type)
-            if any(names_node(flow.publisher, node) for node in self.stream.successors):
-                self._mirrors[flow.name] = self._transport.advertise(
-                    self.nodes[-1], topic, self.stream.type, queue_size=self.stream.queue_size
-                )
-
     def _subscribe(self, topic: str, connect: Callable[[Peer], Receive | None], type: str) -> None:
         self._transport.subscribe(self.nodes[0], topic, type, connect)
 
@@ -121,7 +95,7 @@ class GuardedStream:
             return self._stranger(peer, f"on the private topic of {flow.name}")
         if not self._learn(peer):
             return None
-        self._latching[flow.name] = flow.name if peer.latching and self._keeps else None
+        self._ends.latch(flow.name, latching=peer.latching and self._keeps)
         return partial(self._receive, flow.name)
 
     def _connect_public(self, peer: Peer) -> Receive | None:
@@ -139,6 +113,8 @@ class GuardedStream:
         if name in self.strangers or len(self.strangers) < _MOST_STRANGERS:
             self.strangers[name] = self.strangers.get(name, 0) + 1
         log.warning("%s: unapproved publisher %s %s", self.stream.topic, name, where)
+        if self.dry_run and not self._ends.knows(peer.info):
+            return None
         return partial(self._receive, UNAPPROVED)
 
     def _connect_done(self, peer: Peer) -> Receive | None:
@@ -151,9 +127,8 @@ class GuardedStream:
         self._settle(now)
 
     def _learn(self, peer: Peer) -> bool:
-        outputs = [*self._outputs, *self._mirrors.values(), *self._joints]
         written_for = self._md5sum in ("", peer.info.md5sum)
-        if not (written_for and all(output.learn(peer.info) for output in outputs)):
+        if not (written_for and self._ends.learn(peer.info)):
             told = "%s: %s has another type, %s"
             log.error(told, self.stream.topic, peer.node, peer.info.type)
             return False
@@ -167,7 +142,7 @@ class GuardedStream:
     def _receive(self, flow: str, message: bytes) -> None:
         now = self._transport.now()
         if self.dry_run:
-            self._send(flow, message)
+            self._ends.send(flow, message)
         verdict = self._judged(flow, message, now)
         decision = verdict.decision if verdict else Decision.DROP
         if decision is Decision.HOLD:
@@ -198,20 +173,13 @@ class GuardedStream:
     def _passed(self, flow: str, message: bytes, now: int) -> None:
         self.stopper.said(flow, message, now)
         self._say(flow, message)
+        silent_at = self.stopper.deadline()
+        if silent_at is not None and (self._armed_for is None or silent_at < self._armed_for):
+            self._arm()
 
     def _say(self, flow: str, message: bytes) -> None:
         if not self.dry_run:
-            self._send(flow, message)
-
-    def _send(self, flow: str, message: bytes) -> None:
-        latched_by = self._latching[flow]
-        for output in self._outputs:
-            output.publish(message, latched_by)
-        for name, mirror in self._mirrors.items():
-            if name != flow:
-                mirror.publish(message, latched_by)
-        for joint in self._joints:
-            joint.publish(message, latched_by)
+            self._ends.send(flow, message)
 
     def _settle(self, now: int) -> None:
         """Let out what is due, and be called when the next is."""
@@ -229,9 +197,12 @@ class GuardedStream:
         due = self._deadline()
         if due is not None and (self._armed_for is None or due < self._armed_for):
             self._armed_for = due
-            self._transport.call_at(due, self._wake)
+            self._transport.call_at(due, partial(self._wake, due))
 
-    def _wake(self) -> None:
+    def _wake(self, due: int) -> None:
+        """Let out what is due, unless an earlier call has taken the place of this one."""
+        if due != self._armed_for:
+            return
         self._armed_for = None
         self._tick(self._transport.now())
         self._tell()

@@ -26,6 +26,7 @@ log = logging.getLogger(__name__)
 
 GUARD_NODE = "/rtron_guard"
 _FPS_PERIOD = SECOND // 10
+_LOG_PERIOD = SECOND
 
 
 class Host:
@@ -49,6 +50,7 @@ class Host:
         self._transport = transport
         self._watching = Watching(transport, self.senses, _ways(streams), self._heard)
         self._attending = False
+        self._logged: dict[str, int] = {}
         self._armed_for: int | None = None
         self._diagnostics: Output | None = None
         self._reports = 0
@@ -82,19 +84,30 @@ class Host:
         due = self.senses.deadline(self._transport.now())
         if due is not None and (self._armed_for is None or due < self._armed_for):
             self._armed_for = due
-            self._transport.call_at(due, self._look_again)
+            self._transport.call_at(due, partial(self._look_again, due))
 
-    def _look_again(self) -> None:
+    def _look_again(self, due: int) -> None:
+        """Look at the senses again, unless an earlier call has taken the place of this one."""
+        if due != self._armed_for:
+            return
         self._armed_for = None
         self.senses.catch_up(self._transport.now())
         self.attend()
         self._heard()
 
     def _rule_changed(self, standing: Standing) -> None:
-        log.warning("%s: %s", "blocked" if standing.blocks else "free again", standing.reason)
+        self._log_change(standing)
         if not self._attending:
             self._attending = True
             self._transport.call_at(self._transport.now(), self.attend)
+
+    def _log_change(self, standing: Standing) -> None:
+        """Log that a rule began or ceased to block, but not a flickering one each time."""
+        now, rule = self._transport.now(), standing.rule.name
+        if now - self._logged.get(rule, -_LOG_PERIOD) >= _LOG_PERIOD:
+            self._logged[rule] = now
+            told = "blocked: %s" if standing.blocks else "free again: %s"
+            log.warning(told, standing.reason)
 
     def attend(self) -> None:
         """Let every stream look whether what moves the robot may go on."""

@@ -14,10 +14,15 @@ from typing import Any
 from rtron.errors import InputError
 from rtron.messages.definition import Definition
 from rtron.messages.expression_faults import fault
-from rtron.messages.expression_functions import FUNCTIONS, functions
+from rtron.messages.expression_functions import FUNCTIONS, NOT_FINITE, declarations, written_out
 from rtron.messages.frames import is_point, without_slash
-from rtron.messages.geometry import Polygon
-from rtron.messages.protobuf_types import AREA, POINT, descriptor_pool, protobuf_name, types_of
+from rtron.messages.protobuf_types import (
+    AREA,
+    area_value,
+    descriptor_pool,
+    protobuf_name,
+    types_of,
+)
 from rtron.vocabulary import Area
 
 MAX_EXPRESSION = 1 << 12
@@ -37,7 +42,7 @@ class Expressions:
     """The expressions over messages of one type, which they call `subject`."""
 
     def __init__(self, definition: Definition, subject: str, areas: Sequence[Area] = ()) -> None:
-        cel = _cel()
+        cel = _cel("cel")
         self._definition = definition
         self._subject = subject
         self._areas = {_checked(area, subject).name: area for area in areas}
@@ -50,10 +55,11 @@ class Expressions:
                 subject: cel.Type(protobuf_name(definition.type)),
                 **{name: cel.Type(protobuf_name(AREA)) for name in self._areas},
             },
-            functions=self._functions(cel),
+            functions=declarations(cel, self._points()),
+            extensions=[_cel("ext.ext_math").ExtMath()],
         )
-        area = self._class(AREA)
-        self._known = {name: area(index=index) for index, name in enumerate(self._areas)}
+        make = self._class(AREA)
+        self._known = {name: area_value(make, area) for name, area in self._areas.items()}
 
     def compile(self, text: str) -> Any:  # noqa: ANN401 - CEL's expression has no types
         """Return the expression; InputError, with the place in the text, if it is not boolean."""
@@ -67,7 +73,17 @@ class Expressions:
                 f"the expression {_short(text)} gives {made.return_type().name()}, not a truth",
                 help="compare it with something: == != < <= > >=",
             )
-        return made
+        written = written_out(text, self._areas)
+        return made if written == text else self._compile_written(written)
+
+    def _compile_written(self, written: str) -> Any:  # noqa: ANN401 - CEL's expression has no types
+        try:
+            return self._env.compile(written)
+        except RuntimeError as error:
+            raise InputError(
+                f"the positions are compared in too deep a way: {str(error)[:_MAX_SAID]}",
+                help="name areas directly in inside() and distance()",
+            ) from error
 
     def activate(self, message: Any, areas: Mapping[str, Any]) -> Any:  # noqa: ANN401 - CEL's
         """Return what expressions about this message and these areas are evaluated with."""
@@ -113,14 +129,8 @@ class Expressions:
 
         return GetMessageClass(self._pool.FindMessageTypeByName(protobuf_name(type)))
 
-    def _functions(self, cel: Any) -> list[Any]:  # noqa: ANN401 - CEL has no types
-        types = types_of(self._definition).values()
-        return functions(
-            cel,
-            points=[each.type for each in types if is_point(each)],
-            areas=[Polygon(area.polygon) for area in self._areas.values()],
-            classes=(self._class(POINT), self._class(AREA)),
-        )
+    def _points(self) -> list[str]:
+        return [each.type for each in types_of(self._definition).values() if is_point(each)]
 
 
 def ask(expression: Any, activation: Any) -> bool | str:  # noqa: ANN401 - CEL has no types
@@ -131,12 +141,14 @@ def ask(expression: Any, activation: Any) -> bool | str:  # noqa: ANN401 - CEL h
         value = str(error)
     if value is True or value is False:
         return value
+    if NOT_FINITE in str(value):
+        return NOT_FINITE
     return re.sub(r"^[A-Z_]+: | \[[A-Z_]+\]$", "", str(value)[:_MAX_SAID]) or "no value"
 
 
-def _cel() -> Any:  # noqa: ANN401 - CEL has no types
+def _cel(module: str) -> Any:  # noqa: ANN401 - CEL has no types
     try:
-        return importlib.import_module("cel_expr_python.cel")
+        return importlib.import_module(f"cel_expr_python.{module}")
     except ImportError as error:
         raise InputError(
             "expressions over message fields need the package cel-expr-python",
@@ -160,7 +172,7 @@ def _check_text(text: str) -> None:
 
 def _checked(area: Area, subject: str) -> Area:
     name = area.name
-    taken = name in (*FUNCTIONS, subject) or _RESERVED.fullmatch(name)
+    taken = name in (*FUNCTIONS, "math", subject) or _RESERVED.fullmatch(name)
     if taken or not _WORD.fullmatch(name):
         raise InputError(f"an area cannot be called {name!r}", help="take letters, digits and _")
     if len(area.polygon) < _FEWEST_POINTS:

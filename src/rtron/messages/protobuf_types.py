@@ -3,18 +3,24 @@
 proto2, since there a field that is set is present (`has`), also where its value is 0.
 """
 
-from typing import TYPE_CHECKING
+from dataclasses import asdict, fields
+from typing import TYPE_CHECKING, Any
 
 from rtron.errors import InputError
 from rtron.messages.definition import Definition, Field
+from rtron.messages.geometry import Edge, edges
 from rtron.messages.protobuf_wire import KINDS, is_bytes
+from rtron.vocabulary import Area
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from google.protobuf.descriptor_pb2 import DescriptorProto, FileDescriptorProto
     from google.protobuf.descriptor_pool import DescriptorPool
 
 AREA = "rtron/Area"
-"""The type of an area: its index in the order of the plan."""
+"""The type of an area: its edges."""
+_EDGE = "rtron/Edge"
 POINT = "geometry_msgs/Point"
 _POINT_FIELDS = tuple(Field(name=name, type="float64") for name in ("x", "y", "z"))
 
@@ -30,7 +36,8 @@ def descriptor_pool(definition: Definition) -> "DescriptorPool":
 
     pool = DescriptorPool()
     try:
-        pool.AddSerializedFile(_area_file().SerializeToString())
+        for file in _area_files():
+            pool.AddSerializedFile(file.SerializeToString())
         for each in types_of(definition).values():
             pool.AddSerializedFile(_file(each).SerializeToString())
     except (TypeError, ValueError) as error:
@@ -38,6 +45,11 @@ def descriptor_pool(definition: Definition) -> "DescriptorPool":
             f"the type {definition.type} cannot be used in expressions: {error}"
         ) from error
     return pool
+
+
+def area_value(make: Any, area: Area) -> Any:  # noqa: ANN401 - a class that protobuf makes
+    """Return an area as an instance of `make`, protobuf's class for `AREA`."""
+    return make(edges=[asdict(edge) for edge in edges(area.polygon)])
 
 
 def types_of(definition: Definition) -> dict[str, Definition]:
@@ -55,9 +67,12 @@ def _collect(definition: Definition, types: dict[str, Definition]) -> None:
     types[definition.type] = definition
 
 
-def _area_file() -> "FileDescriptorProto":
-    area = Definition(type=AREA, fields=(Field(name="index", type="int32"),), md5sum="")
-    return _file(area)
+def _area_files() -> "Iterator[FileDescriptorProto]":
+    numbers = [Field(name=each.name, type="float64") for each in fields(Edge)]
+    edge = Definition(type=_EDGE, fields=tuple(numbers), md5sum="")
+    edges = Field(name="edges", type=_EDGE, array=True)
+    yield _file(edge)
+    yield _file(Definition(type=AREA, fields=(edges,), md5sum="", nested={_EDGE: edge}))
 
 
 def _file(definition: Definition) -> "FileDescriptorProto":

@@ -67,14 +67,15 @@ class Standing:
 class Mission:
     """All rules of an app, kept up to date with the bits of its events.
 
-    `changed` is told each rule that begins or ceases to block.
+    `changed` is told each rule that begins or ceases to block. `due` is when to look again if
+    nothing is heard; the first look is due at once, since some bits are known without a message.
     """
 
     def __init__(self, bits: Bits, rules: Iterable[tuple[Rule, Condition]] = ()) -> None:
         self.bits = bits
         self.standings = {rule.name: Standing(rule, condition) for rule, condition in rules}
         self.changed: Callable[[Standing], None] = lambda standing: None
-        self.due: int | None = None
+        self.due: int | None = 0
         self._known: dict[str, bool] = {}
         self._asking: dict[str, list[Standing]] = defaultdict(list)
         for standing in self.standings.values():
