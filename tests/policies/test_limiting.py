@@ -503,6 +503,7 @@ class LimitRun:
     flows: tuple[Flow, ...]
     reissues: bool
     busy: bool
+    lowest: float = 0.05
     now: int = 0
     stamp: int = 0
     out: list[tuple[int, bool, Verdict]] = field(default_factory=list)
@@ -510,7 +511,7 @@ class LimitRun:
     def __post_init__(self):
         self.rates = Rates([MONITOR])
         chosen = settings(
-            self.policy, flows=self.flows, threshold=0.1, lowest=0.05, release_after=3 * STEP
+            self.policy, flows=self.flows, threshold=0.1, lowest=self.lowest, release_after=3 * STEP
         )
         self.limit = build(chosen, self.rates)
         self.limit.reissues = self.reissues
@@ -539,13 +540,16 @@ class LimitRun:
             self.out.append((self.now, False, verdict))
 
 
+lowests = st.sampled_from([0.0, 0.05])
 any_limit = st.sampled_from([PolicyName.SAFE, PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN])
 
 
 @often
-@given(any_limit, st.sampled_from([FLOWS, EQUAL]), st.booleans(), recordings)
-def test_ticks_at_the_deadlines_are_enough(policy, flows, reissues, steps):
-    prompt, busy = (LimitRun(policy, flows, reissues, busy).play(steps) for busy in (False, True))
+@given(any_limit, st.sampled_from([FLOWS, EQUAL]), st.booleans(), lowests, recordings)
+def test_ticks_at_the_deadlines_are_enough(policy, flows, reissues, lowest, steps):
+    prompt, busy = (
+        LimitRun(policy, flows, reissues, busy, lowest).play(steps) for busy in (False, True)
+    )
     assert busy == prompt
 
 
@@ -593,9 +597,9 @@ def went_on(steps, out):
 
 
 @often
-@given(any_limit, st.sampled_from([FLOWS, EQUAL]), st.booleans(), recordings)
-def test_what_is_done_is_the_effect_in_the_table(policy, flows, reissues, steps):
-    run = LimitRun(policy, flows, reissues, busy=False)
+@given(any_limit, st.sampled_from([FLOWS, EQUAL]), st.booleans(), lowests, recordings)
+def test_what_is_done_is_the_effect_in_the_table(policy, flows, reissues, lowest, steps):
+    run = LimitRun(policy, flows, reissues, busy=False, lowest=lowest)
     effects = watch_effects(run.limit)
     run.play(steps)
     done = [Effect.REISSUE if again else Effect[v.decision.name] for _, again, v in run.out]
@@ -603,9 +607,11 @@ def test_what_is_done_is_the_effect_in_the_table(policy, flows, reissues, steps)
 
 
 @often
-@given(any_limit, recordings)
-def test_the_named_state_tells_whether_what_was_asked_for_last_is_limited(policy, steps):
-    run = LimitRun(policy, EQUAL, reissues=True, busy=True)
+@given(any_limit, st.sampled_from([FLOWS, EQUAL]), st.booleans(), lowests, recordings)
+def test_the_named_state_tells_whether_what_was_asked_for_last_is_limited(
+    policy, flows, reissues, lowest, steps
+):
+    run = LimitRun(policy, flows, reissues, busy=True, lowest=lowest)
     for step in steps:
         run.play([step])
         asked = run.limit._asked

@@ -302,6 +302,25 @@ def test_a_rule_without_events_is_settled_at_once(text, blocks):
     assert (alarm.blocks, alarm.known, told) == (blocks, True, [])
 
 
+@pytest.mark.parametrize(
+    ("others", "text", "blocks"),
+    [
+        ({"on_silence": WhenUnknown.CLEAR}, "a", False),
+        ({"on_silence": WhenUnknown.SET}, "!a", False),
+        ({"silent": 13}, "!a", False),
+        ({"silent": 13}, "a", True),
+        ({}, "a", True),
+        ({}, "!a", True),
+    ],
+)
+def test_what_is_known_without_a_message_counts_from_the_first_look(others, text, blocks):
+    made = mission(written(text), events=[event("a", **others)])
+    assert made.due == 0
+    made.catch_up(0)
+    assert made.standings["r0"].blocks is blocks
+    assert made.due is None
+
+
 def test_without_rules_nothing_happens():
     made = Mission(Bits())
     made.update(0)

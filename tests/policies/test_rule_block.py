@@ -56,6 +56,7 @@ def test_what_no_rule_blocks_passes():
     hear(mission, fire=True)
     verdict = policy.verdict(HIGH, {}, 0)
     assert (verdict.decision, verdict.reason) == (PASS, "no rule blocks high")
+    assert (verdict.flow, verdict.policy) == (HIGH, PolicyName.BLOCK)
     assert policy.verdict(HIGH, {}, 1) is verdict
     assert judging.times == 0
 
@@ -167,6 +168,7 @@ def test_the_most_restrictive_rule_wins(stated, flow):
     concerned = {name: each for name, each in rules.items() if each.concerns(flow)}
     against = [name for name, each in concerned.items() if each.against]
     assert verdict.decision is (DROP if against else PASS)
+    assert (verdict.flow, verdict.policy) == (flow, PolicyName.BLOCK)
     if against:
         assert verdict.reason.startswith(f"rule {against[0]}: ")
         assert verdict.error is (judged.get(against[0], True) is not True)

@@ -126,6 +126,20 @@ def test_a_second_refusal_changes_nothing():
     assert made.tick(PERIOD).speed < first.speed
 
 
+def test_the_waves_are_counted():
+    made, resting = moving(), moving(Velocity((0.0,)))
+    assert made.stops == 0
+    for number in (1, 2, 3):
+        made.refuse("blocked", number)
+        made.refuse("blocked still", number)
+        assert made.stops == number
+        made.said(FLOW, number)
+    made.tick(3 + SILENT)
+    assert made.stops == 4
+    resting.refuse("blocked", 0)
+    assert resting.stops == 0
+
+
 def test_a_message_ends_the_wave():
     made = moving()
     made.refuse("blocked", 0)

@@ -1,3 +1,4 @@
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -62,3 +63,25 @@ def test_what_was_removed_below_the_top_does_not_pile_up():
     assert len(queue._heap) < 50
     assert queue.first().message == "stays"
     assert queue.latest("low") is None
+
+
+@pytest.mark.parametrize("kept", [1, 2, 5, 40])
+def test_what_was_removed_makes_up_no_more_than_half_of_the_heap_and_a_few(kept):
+    queue = waiting()
+    for number in range(kept):
+        queue.add(HIGH, number, number)
+    for number in range(200):
+        queue.add(LOW, number, number)
+        queue.remove(queue.latest("low"))
+        assert len(queue._heap) <= 2 * kept + 16
+
+
+def test_the_heap_is_not_built_anew_for_a_few():
+    queue = waiting()
+    queue.add(HIGH, "stays on top", 0)
+    heap = queue._heap
+    for number in range(16):
+        queue.add(LOW, number, number)
+        queue.remove(queue.latest("low"))
+    assert queue._heap is heap
+    assert len(heap) == 17
