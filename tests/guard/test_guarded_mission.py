@@ -251,6 +251,24 @@ def test_an_obligation_blocks_until_what_it_requires_was_seen_and_does_so_each_t
         lamp(string("fine"))
 
 
+def test_an_obligation_may_be_met_by_an_event():
+    danger = replace(LIGHT, when="event.data == 'danger'", name="danger")
+    called = replace(LIGHT, topic="/phone", when="event.data == 'called'", name="called")
+    alert = Rule(name="alert", when="danger", block=("/cmd_vel",), require="called")
+    transport, _ = guarded((MOVING,), (danger, called), (alert,))
+    driver = transport.listen(OUT)
+    nav, lamp = transport.publisher(NAV, peer("/nav")), light(transport)
+    phone = transport.publisher("/phone", peer("/camera", STRING))
+    phone(string("called"))
+    lamp(string("danger"))
+    nav(twist(0.1))
+    phone(string("engaged"))
+    nav(twist(0.2))
+    phone(string("called"))
+    nav(twist(0.3))
+    assert [x for x, _ in speeds(driver)] == [0.3]
+
+
 def test_a_rule_blocks_the_flow_that_it_names_and_no_other():
     transport, _ = guarded(rules=(replace(AT_RED, block=("aflow2",)),))
     driver = transport.listen(OUT)

@@ -105,11 +105,15 @@ class NaiveRule:
 
     def __init__(self, condition):
         self.condition = condition
-        self.holds = self.met = False
+        self.truth, self.met = False, False
+
+    @property
+    def holds(self):
+        return self.truth is not False
 
     def update(self, bits):
-        self.holds = self.condition(bits) is not False
-        if not self.holds:
+        before, self.truth = self.truth, self.condition(bits)
+        if self.truth is False or (self.truth and not before):
             self.met = False
 
     def meet(self):

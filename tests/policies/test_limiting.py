@@ -22,6 +22,7 @@ from policy_runs import (
 from sense_models import NaiveRates
 
 from rtron.errors import PlanError
+from rtron.messages import Definitions, Encoding, velocity_codec
 from rtron.policies import Rates, build
 from rtron.policies.limiting import REISSUE_PERIOD, Limit, Limiting, State
 from rtron.policies.machine import Effect
@@ -123,6 +124,19 @@ def test_no_violation_is_let_through(limit, seed):
     assert min(found.passed, found.modified, found.dropped) > 100
 
 
+@pytest.mark.parametrize("encoding", Encoding)
+def test_no_violation_is_let_through_in_the_bytes_of_a_twist(encoding):
+    codec = velocity_codec(Definitions(()).find("geometry_msgs/Twist"), encoding)
+    found = violations(
+        4_000,
+        3,
+        encode=lambda velocity: codec.encode(codec.rest, velocity),
+        decode=codec.decode,
+    )
+    assert found.wrong == ()
+    assert min(found.passed, found.modified, found.dropped) > 100
+
+
 def test_a_violation_would_be_found():
     """What looks for violations sees them: a codec that doubles, and one that turns."""
 
@@ -203,6 +217,20 @@ def test_the_refusal_asks_for_the_limit_of_the_moment():
     policy.refusal(LOW, 17)
     policy.verdict(LOW, Velocity((1.0,)), 18)
     assert policy._limits.asked == [17, 18]
+
+
+@pytest.mark.parametrize("asked", [0.1, 9.0])
+def test_what_is_dropped_leaves_the_state(asked):
+    policy = limiting(0.5, FLOWS)
+    policy.verdict(HIGH, Velocity((asked,)), 0)
+    state = policy._machine.state
+    assert state is (State.LIMITED if asked > 0.5 else State.WITHIN)
+    policy.verdict(LOW, Velocity((1.0,)), 0)
+    policy.verdict(STRANGER, Velocity((1.0,)), 0)
+    policy.verdict(HIGH, Velocity((math.nan,)), 0)
+    policy._limits.speed = 0.0
+    policy.verdict(HIGH, Velocity((1.0,)), 0)
+    assert policy._machine.state is state
 
 
 # Priorities

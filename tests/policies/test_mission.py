@@ -266,11 +266,13 @@ def test_what_is_not_required_yet_meets_nothing():
     assert told == [("alarm", False), ("alarm", True)]
 
 
-def test_an_obligation_that_was_met_stays_met_while_nobody_knows():
+def test_an_obligation_that_was_met_while_nobody_knew_is_open_once_it_is_known():
     made, alarm, _ = one(require="/alert")
     made.meet(["alarm"])
     assert not alarm.blocks
     say(made, 0, a=True)
+    assert alarm.blocks
+    made.meet(["alarm"])
     assert not alarm.blocks
 
 

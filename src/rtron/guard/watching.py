@@ -84,7 +84,7 @@ class Watching:
     def _event(self, source: EventSource, message: bytes) -> None:
         now = self._transport.now()
         for bit, truth in zip(source.bits, source.judged(message), strict=True):
-            bit.observe(truth, now)
+            self._senses.mission.observe(bit.flow.name, truth, now)
         self._look_again()
 
     def _event_lost(self, source: EventSource, peer: Peer) -> None:

@@ -28,7 +28,10 @@ class Condition(Protocol):
 
 @dataclass(slots=True, eq=False)
 class Standing:
-    """A rule, and how it stands: whether it holds, and whether what it requires was seen."""
+    """A rule, and how it stands: whether it holds, and whether what it requires was seen.
+
+    What was seen before it was known that the rule holds does not count.
+    """
 
     rule: Rule
     condition: Condition
@@ -52,9 +55,10 @@ class Standing:
         """Take the bits that are known; tell whether the rule began or ceased to block."""
         before = self.blocks
         truth = self.condition.holds(known)
+        begins = truth is True and not (self.holds and self.known)
         self.known = truth is not None
         self.holds = truth is not False
-        self.met = self.met and self.holds
+        self.met = self.met and self.holds and not begins
         return self.blocks is not before
 
     def meet(self) -> bool:
@@ -78,10 +82,18 @@ class Mission:
         self.due: int | None = 0
         self._known: dict[str, bool] = {}
         self._asking: dict[str, list[Standing]] = defaultdict(list)
+        self._requiring: dict[str, list[str]] = defaultdict(list)
         for standing in self.standings.values():
             standing.update(self._known)
+            self._requiring[standing.rule.require].append(standing.rule.name)
             for name in standing.condition.names:
                 self._asking[name].append(standing)
+
+    def observe(self, flow: str, judged: Truth, now: int) -> None:
+        """Take an event of an eflow, and what it says; it may be what a rule requires."""
+        self.bits.named[flow].observe(judged, now)
+        if judged and flow in self._requiring:
+            self.meet(self._requiring[flow])
 
     def update(self, now: int) -> None:
         """Look at the bits again: an event was heard, or time has passed."""
