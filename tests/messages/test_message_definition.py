@@ -11,7 +11,8 @@ from message_samples import ROS1, ROS2
 
 from rtron.errors import InputError
 from rtron.messages import Definitions, Field, parse_definition
-from rtron.messages.definition import MAX_DEPTH, MAX_FIELDS, MAX_TEXT, MAX_VALUES
+from rtron.messages.definition_lines import MAX_FIELDS, MAX_VALUES
+from rtron.messages.definition_text import MAX_DEPTH, MAX_TEXT
 from rtron.vocabulary import MessageDefinition
 
 DEBIAN = """

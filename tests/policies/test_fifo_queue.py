@@ -10,8 +10,11 @@ from policy_runs import (
     TICK,
     Run,
     settings,
+    watch_effects,
 )
 
+from rtron.policies.machine import Effect
+from rtron.policies.queueing import State
 from rtron.vocabulary import Decision, Flow, PolicyName, StreamKind
 
 PASS, HOLD, DROP = Decision.PASS, Decision.HOLD, Decision.DROP
@@ -130,6 +133,18 @@ def test_max_hold_ends_the_turn_of_commands_that_never_fall_silent(gap, decision
     assert MAX_HOLD == 8 + 8 + 9
     run.wait(gap)
     assert run.say(LOW) is decision
+
+
+def test_a_full_queue_drops_also_while_nobody_has_the_turn():
+    """The tick is late: the turn is over, and what is due still waits."""
+    run = actions(queue_size=1).play([(0, MIDDLE), (1, LOW)])
+    effects = watch_effects(run.policy)
+    run.wait(MIDDLE_TIMEOUT)
+    assert run.say(HIGH) is DROP
+    assert effects == [Effect.NOTHING, Effect.DROP]
+    assert run.policy.owner is None
+    assert run.verdicts[-1].reason == "the queue is full (1)"
+    assert run.policy._machine.state is State.FREE
 
 
 def test_waiting_flows_keep_their_freshest_command_and_their_place():

@@ -324,6 +324,16 @@ def test_what_was_asked_for_last_goes_out_again_when_the_limit_changes():
     assert policy._machine.state is State.LIMITED
 
 
+def test_every_change_of_the_limit_is_a_step_in_the_table():
+    policy = limiting(0.5, reissues=True)
+    effects = watch_effects(policy)
+    policy.verdict(LOW, Velocity((1.0,)), 0)
+    for speed in (0.25, 0.25, 1.0, 0.5, 0.75):
+        policy._limits.speed = speed
+        policy.tick(policy.deadline())
+    assert effects == [Effect.MODIFY, *(4 * [Effect.REISSUE])]
+
+
 def test_the_named_state_follows_the_limit():
     policy, _ = reissue([0.75])
     assert policy._machine.state is State.LIMITED

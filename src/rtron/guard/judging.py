@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from rtron.errors import PlanError
-from rtron.messages.definition import Definitions
+from rtron.messages.definitions import Definitions
 from rtron.messages.encoding import Encoding
 from rtron.messages.judge import Judge
 from rtron.policies.rule_block import Judgement

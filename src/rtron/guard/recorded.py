@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 from rtron.errors import InputError
 from rtron.guard.transport.transport import Peer, TypeInfo
-from rtron.messages.definition import Definitions, parse_definition
+from rtron.messages.definition_text import parse_definition
+from rtron.messages.definitions import Definitions
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     FpsMonitor,

@@ -4,7 +4,9 @@ from collections.abc import Callable
 
 from rtron.errors import InputError
 from rtron.guard.transport.transport import TypeInfo
-from rtron.messages.definition import Definition, Definitions, parse_definition
+from rtron.messages.definition import Definition
+from rtron.messages.definition_text import parse_definition
+from rtron.messages.definitions import Definitions
 from rtron.messages.encoding import Encoding
 from rtron.messages.stamp import stamp_reader
 from rtron.messages.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec

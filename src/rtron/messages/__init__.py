@@ -5,7 +5,9 @@ Nothing here makes code out of a definition, since definitions come from strange
 """
 
 from rtron.messages.condition import Condition
-from rtron.messages.definition import Definition, Definitions, Field, parse_definition
+from rtron.messages.definition import Definition, Field
+from rtron.messages.definition_text import parse_definition
+from rtron.messages.definitions import Definitions
 from rtron.messages.encoding import Encoding
 from rtron.messages.judge import Judge, check_expression
 from rtron.messages.stamp import stamp_reader

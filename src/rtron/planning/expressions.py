@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from rtron.errors import InputError
 from rtron.messages.condition import Condition
-from rtron.messages.definition import Definitions
+from rtron.messages.definitions import Definitions
 from rtron.messages.judge import check_expression
 from rtron.planning.coherence import Misfit
 from rtron.planning.coherence.contradictions import contradictions

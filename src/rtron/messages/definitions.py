@@ -1,0 +1,60 @@
+"""The definitions of message types that are known: a plan's own, and the standard ones."""
+
+from collections.abc import Iterable
+
+from rtron.messages.definition import Definition
+from rtron.messages.definition_text import enter, parse_definition
+from rtron.vocabulary import MessageDefinition, normalise_type
+
+
+class Definitions:
+    """The message types that a plan defines, and the standard ones of ROS 1 or ROS 2."""
+
+    def __init__(self, messages: Iterable[MessageDefinition] = (), *, ros: int = 1) -> None:
+        self._texts = {normalise_type(each.type): each.definition for each in messages}
+        self._ros = ros
+        self._found: dict[str, Definition | None] = {}
+        self._open: list[str] = []
+
+    def find(self, type: str) -> Definition | None:
+        """Return the definition of `type`, the plan's before the standard one; None if unknown.
+
+        InputError if the plan's is wrong.
+        """
+        name = normalise_type(type)
+        if name not in self._found:
+            enter(name, self._open)
+            try:
+                self._found[name] = self._parse(name)
+            finally:
+                self._open.pop()
+        return self._found[name]
+
+    def _parse(self, name: str) -> Definition | None:
+        text = self._texts.get(name) or _ACKERMANN.get(name)
+        if text is not None:
+            return parse_definition(name, text, lookup=self.find)
+        standard = _standard_text(name, self._ros)
+        return None if standard is None else parse_definition(name, standard)
+
+
+def _standard_text(name: str, ros: int) -> str | None:
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - most guards need none
+    from rosbags.typesys.base import TypesysError  # noqa: PLC0415
+
+    store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
+    package, _, last = name.partition("/")
+    try:
+        return str(store.generate_msgdef(f"{package}/msg/{last}", ros_version=ros)[0])
+    except TypesysError:
+        return None
+
+
+_DRIVE = "\n".join(
+    f"float32 {name}"
+    for name in ("steering_angle", "steering_angle_velocity", "speed", "acceleration", "jerk")
+)
+_ACKERMANN = {
+    "ackermann_msgs/AckermannDrive": _DRIVE,
+    "ackermann_msgs/AckermannDriveStamped": "Header header\nAckermannDrive drive",
+}
