@@ -12,9 +12,11 @@ from rtron.guard.senses import senses_of
 from rtron.guard.transport.memory import MemoryTransport
 from rtron.guard.transport.transport import TypeInfo
 from rtron.vocabulary import (
+    GRCN,
     MSRCN,
     SECOND,
     Area,
+    Domain,
     EventFlow,
     Flow,
     GuardedTopic,
@@ -23,6 +25,8 @@ from rtron.vocabulary import (
     Point,
     PolicyName,
     Rule,
+    Sharing,
+    StreamKind,
     Transform,
     WhenUnknown,
     streams,
@@ -84,7 +88,7 @@ def pose(x, y, frame="map"):
     return struct.pack("<I", len(body)) + body
 
 
-def guarded(aflows=(MOVING,), eflows=(LIGHT,), rules=(AT_RED,), **more):
+def guarded(aflows=(MOVING,), eflows=(LIGHT,), rules=(AT_RED,), grcn=(), **more):
     msrcn = MSRCN(
         id="msrcn",
         mode=Mode.ENFORCE,
@@ -94,7 +98,7 @@ def guarded(aflows=(MOVING,), eflows=(LIGHT,), rules=(AT_RED,), **more):
         rules=tuple(rules),
         **more,
     )
-    plan = Plan(app="test", msrcn=msrcn)
+    plan = Plan(app="test", msrcn=msrcn, grcn=grcn)
     transport = MemoryTransport()
     host = Host(transport, streams(plan), senses_of(plan))
     host.open()
@@ -343,3 +347,33 @@ def test_a_twist_may_be_judged_by_its_own_fields():
     nav(twist(float("nan")))
     assert speeds(driver)[0] == (-1.0, 0.0)
     assert driver[1:] in ([], [twist(float("nan"))])
+
+
+def test_a_flow_that_a_rule_blocks_does_not_take_the_output_from_others():
+    grcn = GRCN(
+        id="grcn_cmd_vel",
+        topic="/cmd_vel",
+        type="geometry_msgs/Twist",
+        domain=Domain.CONTROL,
+        kind=StreamKind.COMMAND,
+        sharing=Sharing.CONTEND,
+        mode=Mode.ENFORCE,
+        policy=PolicyName.PREEMPTION,
+        flows=(
+            Flow(name="flow1", publisher="/nav", priority=2),
+            Flow(name="flow2", publisher="/teleop", priority=1),
+        ),
+        successors=("/driver",),
+    )
+    transport, _ = guarded(rules=(replace(AT_RED, block=("aflow1",)),), grcn=(grcn,))
+    driver = transport.listen(OUT)
+    lamp = light(transport)
+    nav = transport.publisher("/rtron/cmd_vel/flow1", peer("/nav"))
+    teleop = transport.publisher("/rtron/cmd_vel/flow2", peer("/teleop"))
+    lamp(string("red"))
+    nav(twist(1.0))
+    teleop(twist(0.2))
+    lamp(string("green"))
+    nav(twist(0.9))
+    teleop(twist(0.3))
+    assert [x for x, _ in speeds(driver)] == [0.2, 0.9]

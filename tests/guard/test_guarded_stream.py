@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import pytest
 from streams import FLOWS, TWIST, peer, stage, stream
+from velocities import twist
 
 from rtron.guard.host import GUARD_NODE, Host
 from rtron.guard.transport.memory import MemoryTransport
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.transport import TypeInfo
-from rtron.vocabulary import SECOND, Flow, Mode, PolicyName, StreamKind
+from rtron.vocabulary import SECOND, CoordinationKind, Flow, Mode, PolicyName, StreamKind
 
 OUT, NAV, TELEOP = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/flow2"
 TENTH = SECOND // 10
@@ -151,20 +152,36 @@ def test_observing_lets_nothing_in_or_out_of_the_way():
 
 
 def test_a_second_stage_has_its_say_and_sees_what_the_first_releases():
-    blocking = stage("msrcn", PolicyName.BLOCK, (replace(FLOWS[0], block=True), FLOWS[1]))
+    limiting = stage("rsrcn", PolicyName.CONSTRAIN, max_vel_limit=0.5)
+    limiting = replace(limiting, coordination=CoordinationKind.RSRCN)
     first = stage(policy=PolicyName.PRIORITY_QUEUE)
-    transport, host = guarded(stream(first, blocking))
+    transport, host = guarded(stream(first, limiting))
     driver, joint = transport.listen(OUT), transport.listen("/rtron/cmd_vel/grcn_cmd_vel")
     nav, teleop = (
         transport.publisher(NAV, peer("/nav")),
         transport.publisher(TELEOP, peer("/teleop")),
     )
-    nav(b"n1")
+    nav(twist(float("nan")))
     transport.advance(TENTH)
-    teleop(b"t1")
+    teleop(twist(2.0))
     assert driver == []
     transport.advance(SECOND)
-    assert driver == joint == [b"t1"]
+    assert driver == joint == [twist(0.5)]
+    tallies = host.guarded[0].pipeline.tallies
+    assert (tallies["flow1"].dropped, tallies["flow2"].modified) == (1, 1)
+
+
+def test_what_a_later_stage_blocks_is_not_put_to_the_first():
+    blocking = stage("msrcn", PolicyName.BLOCK, (replace(FLOWS[0], block=True), FLOWS[1]))
+    transport, host = guarded(stream(stage(policy=PolicyName.PRIORITY_QUEUE), blocking))
+    driver = transport.listen(OUT)
+    nav, teleop = (
+        transport.publisher(NAV, peer("/nav")),
+        transport.publisher(TELEOP, peer("/teleop")),
+    )
+    nav(b"n1")
+    teleop(b"t1")
+    assert driver == [b"t1"]
     assert host.guarded[0].pipeline.tallies["flow1"].dropped == 1
 
 

@@ -30,6 +30,8 @@ class Tally:
 class Pipeline:
     """The policies of one stream, asked in the order of its stages.
 
+    What a later stage would refuse whatever it says is not put to the earlier ones: a flow that may
+    not pass must not take the output from others, nor wait in a queue.
     `changed`, if it is set, is told a verdict that differs from the one before on its flow.
     """
 
@@ -49,6 +51,11 @@ class Pipeline:
         if self.closed:
             self.tallies[flow].dropped += 1
             return None
+        for later in self._after[1]:
+            refusal = later.refusal(flow, now)
+            if refusal is not None:
+                self._count(refusal)
+                return refusal
         return self._go_on(0, flow, message, now)
 
     def tick(self, now: int) -> None:
