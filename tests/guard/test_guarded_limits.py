@@ -10,8 +10,10 @@ from rtron.guard.host import Host
 from rtron.guard.senses import senses_of
 from rtron.guard.transport.memory import MemoryTransport
 from rtron.vocabulary import (
+    MSRCN,
     RSRCN,
     SECOND,
+    EventFlow,
     Flow,
     FpsMonitor,
     GuardedTopic,
@@ -19,6 +21,7 @@ from rtron.vocabulary import (
     OnError,
     Plan,
     PolicyName,
+    Rule,
     WatchedFlow,
     streams,
 )
@@ -225,3 +228,30 @@ def test_what_cannot_be_judged_stops_the_robot_where_the_plan_says_so(on_error, 
     transport.advance(0)
     assert len(driver) == 1 + stops
     assert host.guarded[0].stopper.stops == stops
+
+
+def test_a_rule_keeps_a_maximal_velocity_from_rising_again_but_not_from_falling():
+    gone = EventFlow(name="gone", topic="/eye", publisher="/eye", silent=SECOND)
+    msrcn = MSRCN(
+        id="msrcn",
+        mode=Mode.ENFORCE,
+        policy=PolicyName.BLOCK,
+        aflows=(replace(MAX_VEL, flows=(Flow(name="aflow1", publisher="/decider"),)),),
+        eflows=(gone,),
+        rules=(Rule(name="blind", when="gone", block=("/max_vel",)),),
+    )
+    wanted = replace(plan(PolicyName.SAFE, MAX_VEL, threshold=0.05), msrcn=msrcn)
+    transport, _ = guarded(wanted)
+    driver = transport.listen("/rtron/max_vel/out")
+    eye = transport.publisher("/eye", peer("/eye", FLOAT64))
+    camera = film(transport, fps=20)
+    eye(float64(0.0))
+    decider = transport.publisher("/rtron/max_vel/aflow1", peer("/decider", FLOAT64))
+    decider(float64(0.8))
+    transport.advance(2 * SECOND)
+    assert floats(driver)[-1] == 0.0
+    film(transport, fps=20, seconds=2, say=camera)
+    assert floats(driver)[-1] == 0.0
+    eye(float64(0.0))
+    decider(float64(0.7))
+    assert floats(driver)[-1] == 0.7

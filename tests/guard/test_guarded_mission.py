@@ -14,6 +14,7 @@ from rtron.guard.transport.transport import TypeInfo
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
+    RSRCN,
     SECOND,
     Area,
     Domain,
@@ -88,7 +89,7 @@ def pose(x, y, frame="map"):
     return struct.pack("<I", len(body)) + body
 
 
-def guarded(aflows=(MOVING,), eflows=(LIGHT,), rules=(AT_RED,), grcn=(), **more):
+def guarded(aflows=(MOVING,), eflows=(LIGHT,), rules=(AT_RED,), grcn=(), rsrcn=None, **more):
     msrcn = MSRCN(
         id="msrcn",
         mode=Mode.ENFORCE,
@@ -98,7 +99,7 @@ def guarded(aflows=(MOVING,), eflows=(LIGHT,), rules=(AT_RED,), grcn=(), **more)
         rules=tuple(rules),
         **more,
     )
-    plan = Plan(app="test", msrcn=msrcn, grcn=grcn)
+    plan = Plan(app="test", msrcn=msrcn, grcn=grcn, rsrcn=rsrcn)
     transport = MemoryTransport()
     host = Host(transport, streams(plan), senses_of(plan))
     host.open()
@@ -253,6 +254,33 @@ def test_an_obligation_blocks_until_what_it_requires_was_seen_and_does_so_each_t
         nav(twist(1.0))
         assert speeds(driver)[-1] == (1.0, 0.0)
         lamp(string("fine"))
+
+
+def test_what_a_later_stage_drops_meets_no_obligation():
+    slow = GuardedTopic(
+        topic="/slow",
+        type="geometry_msgs/Twist",
+        flows=(Flow(name="aflow5", publisher="/nav"),),
+        successors=("/driver",),
+    )
+    alert = Rule(name="alert", when="red", block=("/cmd_vel",), require="/slow")
+    rsrcn = RSRCN(
+        id="rsrcn",
+        mode=Mode.ENFORCE,
+        policy=PolicyName.CONSTRAIN,
+        max_vel_limit=1.0,
+        vflows=(replace(slow, flows=(Flow(name="vflow1", publisher="/nav"),)),),
+    )
+    transport, _ = guarded((MOVING, slow), rules=(alert,), rsrcn=rsrcn)
+    driver = transport.listen(OUT)
+    light(transport)(string("red"))
+    moving = transport.publisher(NAV, peer("/nav"))
+    slowly = transport.publisher("/rtron/slow/aflow5", peer("/nav"))
+    slowly(twist(float("nan")))
+    moving(twist(0.1))
+    slowly(twist(0.2))
+    moving(twist(0.3))
+    assert [x for x, _ in speeds(driver)] == [0.3]
 
 
 def test_an_obligation_may_be_met_by_an_event():

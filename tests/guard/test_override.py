@@ -8,8 +8,8 @@ from contextlib import suppress
 
 import pytest
 from streams import peer
-from test_guarded_limits import NAV, OUT, VELOCITY, guarded, plan
-from velocities import speeds, twist
+from test_guarded_limits import MAX_VEL, NAV, OUT, VELOCITY, guarded, plan
+from velocities import FLOAT64, float64, floats, speeds, twist
 
 from rtron.errors import SourceError, WireError
 from rtron.guard.control import Control, control_path
@@ -81,6 +81,19 @@ def test_a_limit_of_zero_stops_the_robot_again_when_the_override_expires():
     transport.publisher(NAV, peer("/nav"))(twist(1.0))
     transport.advance(SECOND)
     assert [x for x, _ in speeds(driver)] == pytest.approx([1.0, 0.875])
+
+
+def test_a_maximal_velocity_is_taken_back_when_the_override_expires():
+    transport, host = guarded(plan(PolicyName.CONSTRAIN, MAX_VEL, max_vel_limit=0.2))
+    driver = transport.listen("/rtron/max_vel/out")
+    decider = transport.publisher("/rtron/max_vel/vflow1", peer("/decider", FLOAT64))
+    decider(float64(0.1))
+    Overriding(host, transport).answer("ann", asked(SECOND))
+    decider(float64(2.0))
+    transport.advance(SECOND)
+    assert floats(driver) == [0.1, 2.0, 0.2]
+    transport.advance(10 * SECOND)
+    assert floats(driver) == [0.1, 2.0, 0.2]
 
 
 @pytest.mark.parametrize(

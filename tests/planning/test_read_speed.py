@@ -28,7 +28,7 @@ rsrcn:
   policy: Safe+Constrain
   threshold: 2 cm/frame
   max_vel_limit: 0.8 km/h
-  lowest: 5 cm/s
+  lowest: 2 cm/s
   vflows:
     - topic: /max_vel
       type: std_msgs/Float64
@@ -71,7 +71,7 @@ def test_everything_about_speed():
             policy=PolicyName.SAFE_CONSTRAIN,
             threshold=0.02,
             max_vel_limit=2 / 9,
-            lowest=0.05,
+            lowest=0.02,
             vflows=(
                 GuardedTopic(
                     topic="/max_vel",
@@ -129,7 +129,7 @@ def test_it_is_written_as_it_was_read():
         ("0.8 km/h", ".inf", 5, "max_vel_limit: '.inf' is no velocity"),
         ("0.8 km/h", "2000", 5, "max_vel_limit: '2000' is not between 0 and 1000 m/s"),
         ("0.8 km/h", "1e-7", 5, "max_vel_limit: '1e-7' is closer to 0 than 1e-06 m/s"),
-        ("5 cm/s", "-5 cm/s", 6, "lowest: '-5 cm/s' is not between 0 and 1000 m/s"),
+        ("2 cm/s", "-2 cm/s", 6, "lowest: '-2 cm/s' is not between 0 and 1000 m/s"),
         ("Safe+Constrain", "Safe + Constrain", 3, "did you mean Safe+Constrain?"),
         ("Safe+Constrain", "Constrain+Safe", 3, "unknown word 'Constrain+Safe': did you mean"),
         ("Safe+Constrain", "Preemption", 3, "Preemption is not for the RSRCN: choose from Block,"),
@@ -174,7 +174,7 @@ def test_a_slip_is_told_with_its_line(old, new, line, fault):
         ("period: 20 ms", "period: 1 s"),
         ("repeat: 3 s", "repeat: 0"),
         ("silent_after: 2 s", "silent_after: 1 ns"),
-        ("lowest: 5 cm/s", "lowest: 0"),
+        ("lowest: 2 cm/s", "lowest: 0"),
         ("camera: {name: camera, topic: /camera/image, publisher: /camera}", "camera: null"),
         ("std_msgs/Float64", "std_msgs/msg/Float32"),
         ("std_msgs/Float64", "geometry_msgs/Twist"),

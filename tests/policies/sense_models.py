@@ -18,7 +18,8 @@ class NaiveFrameRate:
 
     def frame(self, stamp, now):
         recent = self.recent(now)
-        known = stamp != 0 and stamp in [each for _, each in recent]
+        stamps = [each for _, each in recent + self.counted[-1:]]
+        known = stamp != 0 and stamp in stamps
         counts = not known and len(recent) < max(1, self.window // 1_000_000)
         if counts:
             self.counted.append((now, stamp))

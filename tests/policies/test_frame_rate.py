@@ -90,15 +90,22 @@ def test_thirty_frames_a_second_are_thirty_fps():
     assert rate.rate(89 * SECOND // 30) == 30
 
 
-@pytest.mark.parametrize(("gap", "counts"), [(0, False), (WINDOW - 1, False), (WINDOW, True)])
+@pytest.mark.parametrize(("gap", "counts"), [(1, False), (WINDOW - 1, False), (WINDOW, True)])
 def test_a_stamp_that_was_counted_within_the_window_is_not_counted_again(gap, counts):
-    assert play([(7, 1)]).frame(1, 7 + gap) is counts
+    assert play([(7, 1), (8, 2)]).frame(1, 7 + gap) is counts
 
 
 def test_a_stamp_that_was_forgotten_counts_once():
-    rate = play([(0, 1), (WINDOW, 1)])
+    rate = play([(0, 1), (1, 2), (WINDOW, 1)])
     assert not rate.frame(1, 2 * WINDOW - 1)
     assert rate.age(2 * WINDOW - 1) == WINDOW - 1
+
+
+def test_a_frozen_picture_is_no_frame_however_long_it_is_shown():
+    rate = play([(0, 1)])
+    assert not any(rate.frame(1, at * WINDOW // 2) for at in range(9))
+    assert rate.rate(9 * WINDOW // 2) == 0
+    assert rate.frame(2, 5 * WINDOW)
 
 
 def test_alternating_stamps_are_two_frames():

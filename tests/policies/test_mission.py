@@ -49,7 +49,7 @@ def written(text):
 
 def say(mission, now, **judged):
     for name, each in judged.items():
-        mission.bits.named[name].observe(each, now)
+        mission.observe(name, each, now)
     mission.update(now)
 
 
@@ -244,6 +244,49 @@ def test_an_obligation_blocks_until_it_is_met():
     made.meet(["alarm"])
     say(made, 1, a=True)
     assert told == [("alarm", False)]
+
+
+@pytest.mark.parametrize(
+    ("flow", "judged", "met"),
+    [("b", True, True), ("b", False, False), ("b", None, False), ("a", True, False)],
+)
+def test_an_obligation_may_be_met_by_an_event(flow, judged, met):
+    rules = [(rule(require="b"), Asked("a")), (rule("other", require="/alert"), Asked("a"))]
+    made = Mission(Bits([event("a"), event("b")]), rules)
+    say(made, 0, a=True)
+    told = []
+    made.changed = lambda standing: told.append(standing.rule.name)
+    say(made, 1, **{flow: judged})
+    alarm, other = made.standings.values()
+    assert (alarm.met, alarm.blocks, other.blocks) == (met, not met, True)
+    assert told == (["alarm"] if met else [])
+    value = made.bits.named[flow].value(1)
+    assert value is judged
+
+
+def test_an_event_meets_every_rule_that_requires_it():
+    rules = [(rule(name, require="b"), Asked("a")) for name in ("alarm", "other")]
+    made = Mission(Bits([event("a"), event("b")]), rules)
+    say(made, 0, a=True)
+    say(made, 1, b=True)
+    assert [standing.met for standing in made.standings.values()] == [True, True]
+
+
+def test_an_obligation_stays_met_while_it_stays_unknown():
+    made = Mission(Bits([event("a"), event("b")]), [(rule(require="/alert"), Asked("a", "b"))])
+    made.meet(["alarm"])
+    say(made, 0, b=True)
+    assert made.standings["alarm"].met
+
+
+def test_an_obligation_that_was_met_is_open_again_after_its_event_was_not_known():
+    made, alarm, _ = one(require="/alert")
+    say(made, 0, a=True)
+    made.meet(["alarm"])
+    say(made, 1, a=None)
+    assert not alarm.blocks
+    say(made, 2, a=True)
+    assert alarm.blocks
 
 
 def test_an_obligation_arises_again_with_its_condition():

@@ -110,8 +110,8 @@ def test_the_least_counts_and_a_silent_one_before_all():
     third.frame(1, WINDOW)
     assert rates.least(WINDOW) == Rate("fps_b", 0.0, WINDOW)
     assert rates.least(SILENT) == Rate("fps_b", 0.0, None)
-    other.frame(1, SILENT)
     other.frame(2, SILENT)
+    other.frame(3, SILENT)
     assert rates.least(SILENT).monitor == "fps_c"
 
 

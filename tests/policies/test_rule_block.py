@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from policy_runs import APPROVED, BLOCKED, FLOWS, HIGH, LOW, MIDDLE, STRANGER, often, settings
+from policy_runs import APPROVED, BLOCKED, FLOWS, HIGH, LOW, STRANGER, often, settings
 from test_bits import event
 from test_mission import Asked
 
@@ -36,9 +36,8 @@ def made(*rules, flows=FLOWS, revision=0):
     """
     named, staged = [], []
     for name, blocks, others in rules:
-        meets = frozenset(others.pop("meets", ()))
         named.append((Rule(name=name, block=("/goal",), when=name, **others), Asked(name)))
-        staged.append(StageRule(name=name, blocks=frozenset(blocks), meets=meets))
+        staged.append(StageRule(name=name, blocks=frozenset(blocks)))
     mission = Mission(Bits([event(name) for name, _, _ in rules]), named)
     chosen = settings(PolicyName.BLOCK, flows=flows, rules=tuple(staged), revision=revision)
     judging = Judging()
@@ -75,7 +74,7 @@ def test_a_rule_that_holds_blocks_its_flows_and_tells_why():
 
 @pytest.mark.parametrize("flow", [BLOCKED, STRANGER, UNAPPROVED])
 def test_blocked_and_unknown_flows_are_refused(flow):
-    policy, mission, judging = made(("fire", [flow], {"action": "true", "meets": [flow]}))
+    policy, mission, judging = made(("fire", [flow], {"action": "true"}))
     hear(mission, fire=True)
     verdict = policy.verdict(flow, {"fire": False}, 0)
     assert verdict == policy.refusal(flow, 0)
@@ -177,24 +176,6 @@ def test_the_most_restrictive_rule_wins(stated, flow):
     refusal = policy.refusal(flow, 0)
     assert (refusal is not None) is bool(plain)
     assert refusal is None or refusal.reason.startswith(f"rule {plain[0]}: ")
-
-
-def test_what_passes_meets_what_it_is_required_for():
-    policy, mission, _ = made(("fire", [LOW], {"require": MIDDLE, "meets": [MIDDLE]}))
-    hear(mission, fire=True)
-    assert policy.verdict(HIGH, {}, 0).decision is PASS
-    assert policy.verdict(LOW, {}, 0).decision is DROP
-    assert policy.verdict(MIDDLE, {}, 0).decision is PASS
-    assert policy.verdict(LOW, {}, 0).decision is PASS
-
-
-def test_what_is_dropped_meets_nothing():
-    policy, mission, _ = made(
-        ("fire", [LOW], {"require": MIDDLE, "meets": [MIDDLE]}), ("wet", [MIDDLE], {})
-    )
-    hear(mission, fire=True, wet=True)
-    assert policy.verdict(MIDDLE, {}, 0).decision is DROP
-    assert policy.verdict(LOW, {}, 0).decision is DROP
 
 
 @pytest.mark.parametrize("ask", ["verdict", "refusal"])

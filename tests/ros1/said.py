@@ -30,4 +30,3 @@ class Heard:
         """Wait until `condition` holds for the rows; return them."""
         wait_for(lambda: condition(self.rows()), what=what)
         return self.rows()
-

@@ -45,8 +45,12 @@ class Decoding:
 
     def tick(self, now: int) -> Sequence[Release]:
         """Return what goes out again, as messages."""
-        made = (self._changed(release.verdict) for release in self._policy.tick(now))
-        return [Release(verdict.message, verdict) for verdict in made]
+        made = ((self._changed(each.verdict), each.restores) for each in self._policy.tick(now))
+        return [Release(verdict.message, verdict, restores) for verdict, restores in made]
+
+    def again(self, now: int) -> None:
+        """Let the policy look again at what was asked for last."""
+        self._policy.again(now)
 
     def close(self) -> Sequence[Release]:
         """Nothing is ever held."""

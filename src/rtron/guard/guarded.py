@@ -53,6 +53,8 @@ class GuardedStream:
         self.strangers: dict[str, int] = {}
         self.dry_run = dry_run
         self._transport = transport
+        self._mission = senses.mission
+        self._meets = _meets(stream)
         action = senses.actions.get(stream.topic)
         self._md5sum = action.md5sum if action else ""
         # A late subscriber is not told an old velocity.
@@ -173,6 +175,8 @@ class GuardedStream:
     def _passed(self, flow: str, message: bytes, now: int) -> None:
         self.stopper.said(flow, message, now)
         self._say(flow, message)
+        if flow in self._meets:
+            self._mission.meet(self._meets[flow])
         silent_at = self.stopper.deadline()
         if silent_at is not None and (self._armed_for is None or silent_at < self._armed_for):
             self._arm()
@@ -233,3 +237,10 @@ def _with_unapproved(stream: Stream) -> Stream:
         settings = replace(stage.settings, flows=(*stage.settings.flows, flow))
         stages.append(replace(stage, settings=settings))
     return replace(stream, stages=tuple(stages))
+
+
+def _meets(stream: Stream) -> dict[str, list[str]]:
+    """Return the rules whose obligation a message that goes out meets, by its flow."""
+    rules = [rule for stage in stream.stages for rule in stage.settings.rules]
+    flows = {flow for rule in rules for flow in rule.meets}
+    return {flow: [rule.name for rule in rules if flow in rule.meets] for flow in flows}

@@ -56,16 +56,24 @@ class Overridable:
 
     def tick(self, now: int) -> Sequence[Release]:
         """Return what the policy lets go; nothing while it is overridden."""
-        releases = self._policy.tick(now)
-        return () if self.override and now < self.override.until else releases
+        if self.override and now < self.override.until:
+            self._policy.tick(now)
+            return ()
+        if self.override and isinstance(self._policy, Decoding):
+            self._policy.again(now)
+        self.override = None
+        return self._policy.tick(now)
 
     def close(self) -> Sequence[Release]:
         """Return what the policy gives up."""
         return self._policy.close()
 
     def deadline(self) -> int | None:
-        """Return when the policy wants to be asked again."""
-        return self._policy.deadline()
+        """Return when the policy wants to be asked again, or the override ends."""
+        due = self._policy.deadline()
+        if self.override is None:
+            return due
+        return self.override.until if due is None else min(due, self.override.until)
 
     @property
     def owner(self) -> str | None:

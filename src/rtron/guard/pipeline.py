@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rtron.vocabulary import Decision, Verdict
 
 if TYPE_CHECKING:
-    from rtron.policies.policy import Policy
+    from rtron.policies.policy import Policy, Release
 
 Emit = Callable[[str, bytes, int], None]
 """Takes the flow, the message that every stage let go, and the time (ns)."""
@@ -62,11 +62,7 @@ class Pipeline:
         """Let time pass: what a stage releases goes on to the stages after it."""
         for at, policy in enumerate(() if self.closed else self.policies):
             for release in policy.tick(now):
-                if release.verdict.decision is Decision.DROP:
-                    self._count(release.verdict)
-                else:
-                    flow = release.verdict.flow
-                    self._go_on(at + 1, flow, release.message, now, release.verdict)  # type: ignore[arg-type]
+                self._release(at, release, now)
 
     def done(self, now: int) -> None:
         """Learn that the action in progress is done."""
@@ -99,6 +95,17 @@ class Pipeline:
     def owner(self) -> str | None:
         """The flow that has the output."""
         return self.policies[0].owner if self.policies and not self.closed else None
+
+    def _release(self, at: int, release: "Release", now: int) -> None:
+        """Let what the stage `at` releases go on; a rule of an earlier one may keep it low."""
+        verdict, flow = release.verdict, release.verdict.flow
+        earlier = self.policies[:at] if release.restores else ()
+        refusals = (policy.refusal(flow, now) for policy in earlier)
+        refusal = next((refusal for refusal in refusals if refusal), None)
+        if refusal or verdict.decision is Decision.DROP:
+            self._count(refusal or verdict)
+        else:
+            self._go_on(at + 1, flow, release.message, now, verdict)  # type: ignore[arg-type]
 
     def _go_on(
         self, first: int, flow: str, message: bytes, now: int, verdict: Verdict | None = None

@@ -1,8 +1,9 @@
 """How many frames a second an image node works off: a sliding window on a steady clock.
 
 A stamp says which frame a message is about: one that was counted within the window is not counted
-again. A stamp of 0 says nothing; such a message counts by its arrival. Stamps are only compared
-with each other for being the same, so a camera whose clock jumps does no harm.
+again, and the newest never, so that a frozen picture is no frame. A stamp of 0 says nothing; such a
+message counts by its arrival. Stamps are only compared for being the same, so a camera whose clock
+jumps does no harm.
 """
 
 from collections import deque
@@ -17,20 +18,24 @@ NO_STAMP = 0
 class FrameRate:
     """The frames of the last `window` ns."""
 
-    __slots__ = ("_frames", "_most", "_seen", "_window")
+    __slots__ = ("_frames", "_latest", "_most", "_seen", "_window")
 
     def __init__(self, window: int) -> None:
         self._window = window
         self._most = max(1, window * MOST_FPS // SECOND)
         self._frames: deque[tuple[int, int]] = deque()
         self._seen: set[int] = set()
+        self._latest = NO_STAMP
 
     def frame(self, stamp: int, now: int) -> bool:
         """Note a frame with its `stamp` (ns) that arrived at `now`; False if it does not count."""
         self._forget(now)
         if stamp in self._seen or len(self._frames) >= self._most:
             return False
+        if stamp != NO_STAMP and stamp == self._latest:
+            return False
         self._frames.append((now, stamp))
+        self._latest = stamp
         if stamp != NO_STAMP:
             self._seen.add(stamp)
         return True

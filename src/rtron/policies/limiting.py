@@ -87,7 +87,6 @@ class _Asked:
     flow: str
     wanted: Velocity
     sent: Velocity
-    looked: int
 
 
 class Limiting:
@@ -102,6 +101,7 @@ class Limiting:
         self._machine = Machine(TABLE, State.WITHIN)
         self._speakers = self._ordered(settings)
         self._asked: _Asked | None = None
+        self._due: int | None = None
         self._now = 0
         self.reissues = False
 
@@ -137,13 +137,19 @@ class Limiting:
         if asked is None or due is None or now < due:
             return ()
         limit = self._limits.at(now)
-        asked.looked = now
+        self._look_later(now)
         velocity = asked.wanted.at_most(limit.speed)
         if velocity == asked.sent:
             return ()
         self._machine.step(Input.FREED if velocity is asked.wanted else Input.CHANGED)
-        asked.sent = velocity
-        return (Release(velocity, self._changed(asked, limit)),)
+        restores, asked.sent = velocity.speed > asked.sent.speed, velocity
+        return (Release(velocity, self._changed(asked, limit), restores),)
+
+    def again(self, now: int) -> None:
+        """Look at what was asked for last again, all of which has gone on meanwhile."""
+        if self._asked:
+            self._asked.sent = self._asked.wanted
+            self._due = now
 
     def close(self) -> Sequence[Release]:
         """Nothing is ever held."""
@@ -151,9 +157,7 @@ class Limiting:
 
     def deadline(self) -> int | None:
         """Return when to look at a changing limit again."""
-        if self._asked is None or not self.reissues or not self._limits.varies:
-            return None
-        return self._asked.looked + REISSUE_PERIOD
+        return self._due if self.reissues else None
 
     @property
     def owner(self) -> str | None:
@@ -167,12 +171,16 @@ class Limiting:
             self._machine.step(Input.REST)
             return self._drop.give(flow, _nothing(limit))
         velocity = wanted.at_most(limit.speed)
-        self._asked = asked = _Asked(flow, wanted, velocity, now)
+        self._asked = asked = _Asked(flow, wanted, velocity)
+        self._look_later(now)
         if velocity is wanted:
             self._machine.step(Input.BELOW)
             return self._pass.give(flow, f"within {limit.why}")
         self._machine.step(Input.ABOVE)
         return self._changed(asked, limit)
+
+    def _look_later(self, now: int) -> None:
+        self._due = now + REISSUE_PERIOD if self._limits.varies else None
 
     def _rests(self, limit: Limit) -> bool:
         """Tell whether nothing passes: a limit of 0, but for who asks what the limit is."""

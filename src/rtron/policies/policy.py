@@ -15,10 +15,14 @@ from rtron.vocabulary import Verdict
 
 @dataclass(frozen=True, slots=True)
 class Release:
-    """A held message that leaves a policy's queue: let go, or dropped with the reason."""
+    """A message that leaves a policy by itself: one that was held, or one that goes out again.
+
+    It is let go, or dropped with the reason. `restores`: it only gives back what a limit took.
+    """
 
     message: object
     verdict: Verdict
+    restores: bool = False
 
 
 class Policy(Protocol):

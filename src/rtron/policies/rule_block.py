@@ -16,7 +16,7 @@ Judge = Callable[[object], Mapping[str, Judgement]]
 class RuleBlock:
     """The rules that concern one topic; `judge` looks into its messages where a rule asks."""
 
-    __slots__ = ("_drop", "_gate", "_judge", "_meets", "_mission", "_passed", "_rules")
+    __slots__ = ("_drop", "_gate", "_judge", "_mission", "_passed", "_rules")
 
     def __init__(self, settings: PolicySettings, mission: Mission, judge: Judge) -> None:
         self._gate = Gate(settings)
@@ -33,10 +33,6 @@ class RuleBlock:
             )
             for flow in self._gate.flows
         }
-        self._meets = {
-            flow: tuple(rule.name for rule in settings.rules if flow in rule.meets)
-            for flow in self._gate.flows
-        }
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Drop the message if a rule that holds at `now` blocks it."""
@@ -51,8 +47,6 @@ class RuleBlock:
                 found = (judged or {}).get(standing.rule.name, True)
                 if found is not False:
                     return self._dropped(flow, standing, found)
-        if self._meets[flow]:
-            self._mission.meet(self._meets[flow])
         return self._passed[flow]
 
     def refusal(self, flow: str, now: int) -> Verdict | None:

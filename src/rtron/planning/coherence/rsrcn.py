@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from rtron.planning.coherence.flows import Misfit, guarded_misfits, policy_misfit, priorities
 from rtron.vocabulary import (
     RSRCN,
+    SECOND,
     FpsMonitor,
     GuardedTopic,
     Plan,
@@ -55,6 +56,10 @@ def _camera(monitor: FpsMonitor) -> Iterator[Misfit]:
 
 def _parameters(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:
     policy = rsrcn.policy
+    slowest = max((each.silent_after for each in plan.fps_monitor), default=SECOND)
+    if rsrcn.threshold is not None and rsrcn.lowest > rsrcn.threshold * SECOND / slowest:
+        why = "a silent image node would let the robot go faster than a slow one"
+        yield rsrcn, "lowest", f"{rsrcn.lowest:g} m/s is too fast: {why}"
     if policy in BY_RATE and rsrcn.threshold is None:
         yield rsrcn, "policy", f"{policy} needs a threshold: how far may it go in one frame?"
     if policy in BY_RATE and not plan.fps_monitor:
