@@ -1,13 +1,13 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint bench eval fuzz docs lock
+.PHONY: help setup demo test lint coverage mutation fuzz bench eval docs lock
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
 CODE := src tests scripts bench evaluation figures
 
 help: ## List the targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-6s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 setup: ## Install Debian's ROS 1 packages and .venv, if they are not there yet
 	@scripts/setup.sh
@@ -23,8 +23,18 @@ lint: setup ## Check style, types, import contracts and whether the generated do
 	$(PYTHON) scripts/docs_rules.py --check
 	$(PYTHON) scripts/docs_policies.py --check
 
-test: lint ## Run lint and every test
+coverage: setup ## Check that the tests go through every branch of the policies, risks and vocabulary
+	$(BIN)/pytest tests/policies tests/risks tests/vocabulary -q --hypothesis-profile=coverage \
+	  -k "not speed and not never_above and not coarse" \
+	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.vocabulary --cov-branch \
+	  --cov-report=term-missing:skip-covered --cov-fail-under=100
+
+test: lint coverage ## Run lint, coverage and every test
 	$(BIN)/pytest
+
+mutation: setup ## Change the policies in some thousand small ways; a test must fail each time (slow)
+	$(BIN)/mutmut run --max-children 1
+	$(PYTHON) -W ignore scripts/mutate.py
 
 fuzz: setup ## Give the wire parsers over 100000 hostile inputs (3 minutes)
 	$(BIN)/pytest tests/wire --hypothesis-profile=fuzz -k fuzz --timeout=0 -q

@@ -78,6 +78,8 @@ class NaiveBit:
 
     def read(self, now):
         flow, newest = self.flow, self.newest()
+        if self.links() > 1:
+            return flow.on_error
         if flow.silent is not None:
             return self.since_triggered(now) >= flow.silent
         if flow.present is not None:
@@ -104,9 +106,10 @@ class NaiveBit:
 class NaiveRule:
     """A rule's standing, asked at each moment."""
 
-    def __init__(self, condition):
+    def __init__(self, condition, *, obliges=False):
         self.condition = condition
-        self.truth, self.met = False, False
+        self.obliges = obliges
+        self.truth, self.met, self.owed = False, False, False
 
     @property
     def holds(self):
@@ -114,12 +117,15 @@ class NaiveRule:
 
     def update(self, bits):
         before, self.truth = self.truth, self.condition(bits)
-        if self.truth is False or (self.truth and not before):
+        begins = self.truth and not before
+        self.owed = self.owed or (begins and self.obliges)
+        if self.truth is False or begins:
             self.met = False
 
     def meet(self):
+        self.owed = False
         if self.holds:
             self.met = True
 
     def blocks(self):
-        return self.holds and not self.met
+        return bool(self.owed or (self.holds and not self.met))

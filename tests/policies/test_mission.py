@@ -197,14 +197,14 @@ def test_looking_when_time_changes_a_bit_is_looking_at_every_moment(condition, s
 
 def test_a_rule_holds_while_its_event_is_not_known():
     made, alarm, _ = one()
-    assert (alarm.blocks, alarm.known) == (True, False)
-    assert alarm.reason == "rule alarm: while true (an event that it asks for is not known)"
+    assert (alarm.blocks, alarm.unknown) == (True, ("a",))
+    assert alarm.reason == "rule alarm: while true (not known: a)"
     say(made, 0, a=True)
-    assert (alarm.blocks, alarm.known) == (True, True)
+    assert (alarm.blocks, alarm.unknown) == (True, ())
     say(made, 1, a=False)
-    assert (alarm.blocks, alarm.known) == (False, True)
+    assert (alarm.blocks, alarm.unknown) == (False, ())
     say(made, 2, a=None)
-    assert (alarm.blocks, alarm.known) == (True, False)
+    assert (alarm.blocks, alarm.unknown) == (True, ("a",))
 
 
 def test_a_rule_tells_its_reason():
@@ -344,7 +344,7 @@ def test_a_rule_is_looked_at_once_however_many_of_its_bits_changed():
 def test_a_rule_without_events_is_settled_at_once(text, blocks):
     made, alarm, told = one(written(text))
     made.update(0)
-    assert (alarm.blocks, alarm.known, told) == (blocks, True, [])
+    assert (alarm.blocks, alarm.unknown, told) == (blocks, (), [])
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,22 @@ def test_a_flow_may_release_the_robot_instead():
     assert made.tick(SILENT - 1) is None
     assert made.flow is RELEASING
     assert made.tick(SILENT) is None
-    assert (state(made), made.deadline(), made.why) == (State.RESTING, None, "")
+    assert (state(made), made.deadline(), made.why) == (State.RELEASED, None, "")
+
+
+def test_what_was_released_is_told_to_rest_without_a_ramp_when_it_may_not_go_on():
+    made = moving(flow=RELEASING)
+    made.tick(SILENT)
+    made.refuse("rule fire: no goals in a fire", SILENT + 9)
+    assert made.why == "rule fire: no goals in a fire"
+    assert not made.tick(SILENT + 9).moves
+
+
+def test_what_was_released_may_speak_again():
+    made = moving(flow=RELEASING)
+    made.tick(SILENT)
+    made.said(RELEASING, SILENT + 1)
+    assert (state(made), made.flow) == (State.MOVING, RELEASING)
 
 
 def test_the_last_flow_says_what_silence_means():

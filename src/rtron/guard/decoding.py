@@ -36,9 +36,9 @@ class Decoding:
         self._last = data
         return verdict if verdict.decision is Decision.PASS else self._changed(verdict)
 
-    def refusal(self, flow: str, now: int) -> Verdict | None:
-        """Return the policy's refusal."""
-        return self._policy.refusal(flow, now)
+    def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:
+        """Return the policy's refusal, which does not depend on the message."""
+        return self._policy.refusal(flow, now, message)
 
     def observe_done(self, now: int) -> None:
         """Nothing is in progress here."""

@@ -42,9 +42,9 @@ class Overridable:
             return verdict
         return self._overridden(verdict, self.override, now)
 
-    def refusal(self, flow: str, now: int) -> Verdict | None:
+    def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:
         """Return the policy's refusal, unless it is overridden."""
-        refusal = self._policy.refusal(flow, now)
+        refusal = self._policy.refusal(flow, now, message)
         if refusal is None or self.override is None:
             return refusal
         overridden = self._overridden(refusal, self.override, now)

@@ -30,8 +30,8 @@ class Tally:
 class Pipeline:
     """The policies of one stream, asked in the order of its stages.
 
-    What a later stage would refuse whatever it says is not put to the earlier ones: a flow that may
-    not pass must not take the output from others, nor wait in a queue.
+    What a later stage would refuse is not put to the earlier ones: what may not pass must not take
+    the output from others, nor wait in a queue. It is asked again when its turn has come.
     `changed`, if it is set, is told a verdict that differs from the one before on its flow.
     """
 
@@ -52,7 +52,7 @@ class Pipeline:
             self.tallies[flow].dropped += 1
             return None
         for later in self._after[1]:
-            refusal = later.refusal(flow, now)
+            refusal = later.refusal(flow, now, message)
             if refusal is not None:
                 self._count(refusal)
                 return refusal

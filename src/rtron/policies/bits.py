@@ -21,7 +21,11 @@ _COUNTS: Mapping[WhenUnknown, Truth] = {
 
 
 class Bit:
-    """One eflow, what was heard of it and when; its newest message counts for `max_age`."""
+    """One eflow, what was heard of it and when; its newest message counts for `max_age`.
+
+    Two publishers at once, where the plan names them by a pattern, may contradict each other: then
+    nobody knows the bit.
+    """
 
     def __init__(self, flow: EventFlow) -> None:
         self.flow = flow
@@ -49,7 +53,7 @@ class Bit:
 
     def value(self, now: int) -> Truth:
         """Return the bit at `now`, with what the plan says that an unknown one counts as."""
-        found = self._read(now)
+        found = self._read(now) if self._links <= 1 else self.flow.on_error
         if isinstance(found, WhenUnknown):
             return self._known if found is WhenUnknown.KEEP else _COUNTS[found]
         self._known = found

@@ -89,7 +89,7 @@ class Block:
         self._machine.step(Input.ALLOWED)
         return passed
 
-    def refusal(self, flow: str, now: int) -> Verdict | None:  # noqa: ARG002
+    def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
         return None if flow in self._gate.flows else self._gate.refusal(flow)
 

@@ -120,7 +120,7 @@ class Limiting:
             return self._drop.give(flow, higher)
         return self._judge(flow, message, now)
 
-    def refusal(self, flow: str, now: int) -> Verdict | None:
+    def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return what any velocity of `flow` is refused with now: blocked, or the limit is 0."""
         if flow not in self._gate.flows:
             return self._gate.refusal(flow)

@@ -28,44 +28,51 @@ class Condition(Protocol):
 
 @dataclass(slots=True, eq=False)
 class Standing:
-    """A rule, and how it stands: whether it holds, and whether what it requires was seen.
+    """A rule, and how it stands: whether it holds, and whether what it requires is still owed.
 
-    What was seen before it was known that the rule holds does not count.
+    It is owed from the moment at which the rule is known to hold until it is seen, also when the
+    rule holds no longer; what was seen before that moment does not count.
     """
 
     rule: Rule
     condition: Condition
     holds: bool = False
-    known: bool = True
+    unknown: tuple[str, ...] = ()
     met: bool = False
+    owed: bool = False
 
     @property
     def blocks(self) -> bool:
         """Whether the rule blocks anything now."""
-        return self.holds and not self.met
+        return self.owed or (self.holds and not self.met)
 
     @property
     def reason(self) -> str:
         """Why it blocks."""
         told = self.rule.reason or f"while {self.rule.when}"
-        unknown = "" if self.known else " (an event that it asks for is not known)"
+        unknown = f" (not known: {', '.join(self.unknown)})" if self.unknown else ""
         return f"rule {self.rule.name}: {told}{unknown}"
 
     def update(self, known: Mapping[str, bool]) -> bool:
         """Take the bits that are known; tell whether the rule began or ceased to block."""
         before = self.blocks
         truth = self.condition.holds(known)
-        begins = truth is True and not (self.holds and self.known)
-        self.known = truth is not None
+        begins = truth is True and (not self.holds or bool(self.unknown))
+        self.unknown = () if truth is not None else self._missing(known)
         self.holds = truth is not False
         self.met = self.met and self.holds and not begins
+        self.owed = self.owed or (begins and bool(self.rule.require))
         return self.blocks is not before
 
     def meet(self) -> bool:
         """Note that what the rule requires was seen; tell whether that ends its block."""
         ends = self.blocks
         self.met = self.met or self.holds
+        self.owed = False
         return ends
+
+    def _missing(self, known: Mapping[str, bool]) -> tuple[str, ...]:
+        return tuple(sorted(set(self.condition.names).difference(known)))
 
 
 class Mission:
@@ -91,9 +98,10 @@ class Mission:
 
     def observe(self, flow: str, judged: Truth, now: int) -> None:
         """Take an event of an eflow, and what it says; it may be what a rule requires."""
-        self.bits.named[flow].observe(judged, now)
-        if judged and flow in self._requiring:
-            self.meet(self._requiring[flow])
+        bit = self.bits.named[flow]
+        bit.observe(judged, now)
+        if judged:
+            self.meet((*self._requiring.get(flow, ()), *self._requiring.get(bit.flow.topic, ())))
 
     def update(self, now: int) -> None:
         """Look at the bits again: an event was heard, or time has passed."""

@@ -37,8 +37,11 @@ class Policy(Protocol):
         """Decide about a message of `flow` that arrived at `now`."""
         ...
 
-    def refusal(self, flow: str, now: int) -> Verdict | None:
-        """Return what every message of `flow` is dropped with at `now`, whatever it says."""
+    def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:
+        """Return what `message` of `flow` is dropped with at `now`; nothing changes by asking.
+
+        Without a message: what every message is dropped with, whatever it says.
+        """
         ...
 
     def observe_done(self, now: int) -> None:

@@ -118,7 +118,7 @@ class Preemption:
         answers = self._pass if self._step(speaker, owner) is Effect.PASS else self._drop
         return answers.give(flow, self._reasons[owner.flow.name])
 
-    def refusal(self, flow: str, now: int) -> Verdict | None:  # noqa: ARG002
+    def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
         return None if flow in self._gate.flows else self._gate.refusal(flow)
 

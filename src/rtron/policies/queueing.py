@@ -92,7 +92,7 @@ class Queue:
             return self._hold.give(flow, reason)
         return self._drop.give(flow, f"the queue is full ({self._queue_size})")
 
-    def refusal(self, flow: str, now: int) -> Verdict | None:  # noqa: ARG002
+    def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
         return None if flow in self._gate.flows else self._gate.refusal(flow)
 

@@ -14,9 +14,21 @@ Judge = Callable[[object], Mapping[str, Judgement]]
 
 
 class RuleBlock:
-    """The rules that concern one topic; `judge` looks into its messages where a rule asks."""
+    """The rules that concern one topic; `judge` looks into its messages where a rule asks.
 
-    __slots__ = ("_drop", "_gate", "_judge", "_mission", "_passed", "_rules")
+    A message is looked into once, however many rules ask and however often.
+    """
+
+    __slots__ = (
+        "_drop",
+        "_gate",
+        "_judge",
+        "_judged",
+        "_looked_into",
+        "_mission",
+        "_passed",
+        "_rules",
+    )
 
     def __init__(self, settings: PolicySettings, mission: Mission, judge: Judge) -> None:
         self._gate = Gate(settings)
@@ -27,6 +39,8 @@ class RuleBlock:
         }
         self._mission = mission
         self._judge = judge
+        self._looked_into: object = None
+        self._judged: Mapping[str, Judgement] = {}
         self._rules: dict[str, tuple[Standing, ...]] = {
             flow: tuple(
                 mission.standings[rule.name] for rule in settings.rules if flow in rule.blocks
@@ -36,27 +50,16 @@ class RuleBlock:
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Drop the message if a rule that holds at `now` blocks it."""
-        if flow not in self._passed:
-            return self._gate.refusal(flow)
-        self._mission.catch_up(now)
-        judged: Mapping[str, Judgement] | None = None
-        for standing in self._rules[flow]:
-            if standing.blocks:
-                if standing.rule.action and judged is None:
-                    judged = self._judge(message)
-                found = (judged or {}).get(standing.rule.name, True)
-                if found is not False:
-                    return self._dropped(flow, standing, found)
-        return self._passed[flow]
+        return self.refusal(flow, now, message) or self._passed[flow]
 
-    def refusal(self, flow: str, now: int) -> Verdict | None:
-        """Return what each message of `flow` is dropped with: a bit, a rule without `action`."""
+    def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:
+        """Return what a message is dropped with: a bit, or a rule that blocks."""
         if flow not in self._passed:
             return self._gate.refusal(flow)
         self._mission.catch_up(now)
         for standing in self._rules[flow]:
-            if standing.blocks and not standing.rule.action:
-                return self._drop.give(flow, standing.reason)
+            if standing.blocks and (found := self._found(standing, message)) is not False:
+                return self._dropped(flow, standing, found)
         return None
 
     def observe_done(self, now: int) -> None:
@@ -78,6 +81,16 @@ class RuleBlock:
     def owner(self) -> str | None:
         """Nobody: the flows share the output."""
         return None
+
+    def _found(self, standing: Standing, message: object) -> Judgement:
+        """Return what a rule says about a message; without one, only whether it blocks all."""
+        if not standing.rule.action:
+            return True
+        if message is None:
+            return False
+        if message is not self._looked_into:
+            self._looked_into, self._judged = message, self._judge(message)
+        return self._judged.get(standing.rule.name, True)
 
     def _dropped(self, flow: str, standing: Standing, found: Judgement) -> Verdict:
         if found is True:

@@ -19,6 +19,7 @@ class State(Named):
 
     RESTING = "nothing moves the robot"
     MOVING = "the robot follows what went out last"
+    RELEASED = "the flow that moved the robot is silent, which is allowed"
     STOPPING = "the stop wave is sent"
 
 
@@ -40,9 +41,14 @@ TABLE: Table[State, Input] = {
     (State.RESTING, Input.AT_REST): (State.RESTING, Effect.NEVER),
     (State.MOVING, Input.SAID): (State.MOVING, Effect.NOTHING),
     (State.MOVING, Input.SILENT): (State.STOPPING, Effect.STOP),
-    (State.MOVING, Input.RELEASED): (State.RESTING, Effect.NOTHING),
+    (State.MOVING, Input.RELEASED): (State.RELEASED, Effect.NOTHING),
     (State.MOVING, Input.REFUSED): (State.STOPPING, Effect.STOP),
     (State.MOVING, Input.AT_REST): (State.MOVING, Effect.NEVER),
+    (State.RELEASED, Input.SAID): (State.MOVING, Effect.NOTHING),
+    (State.RELEASED, Input.SILENT): (State.RELEASED, Effect.NEVER),
+    (State.RELEASED, Input.RELEASED): (State.RELEASED, Effect.NEVER),
+    (State.RELEASED, Input.REFUSED): (State.STOPPING, Effect.STOP),
+    (State.RELEASED, Input.AT_REST): (State.RELEASED, Effect.NEVER),
     (State.STOPPING, Input.SAID): (State.MOVING, Effect.NOTHING),
     (State.STOPPING, Input.SILENT): (State.STOPPING, Effect.NEVER),
     (State.STOPPING, Input.RELEASED): (State.STOPPING, Effect.NEVER),
@@ -93,8 +99,8 @@ class Stopping:
 
     @property
     def flow(self) -> Flow | None:
-        """The flow that moves the robot, None while none does."""
-        return self._flow if self._machine.state is State.MOVING else None
+        """The flow that moves the robot, or may still do so; None while none does."""
+        return self._flow if self._machine.state in (State.MOVING, State.RELEASED) else None
 
     def said(self, flow: Flow, now: int) -> None:
         """Note that a message of `flow` went out at `now`."""
@@ -102,9 +108,13 @@ class Stopping:
         self._flow, self._spoke, self.why = flow, now, ""
 
     def refuse(self, why: str, now: int) -> None:
-        """Stop the robot: what moves it may not go on."""
+        """Stop the robot: what moves it may not go on.
+
+        What was released may have come to rest by itself: a ramp would set it in motion again.
+        """
+        released = self._machine.state is State.RELEASED
         if self._machine.step(Input.REFUSED) is Effect.STOP:
-            self._begin(why, now)
+            self._begin(why, now, ramped=not released)
 
     def tick(self, now: int) -> Velocity | None:
         """Return the velocity that goes out at `now`, if one is due."""
@@ -127,16 +137,17 @@ class Stopping:
         else:
             self._machine.step(Input.SILENT)
             silent = self._flow.silent_after / SECOND
-            self._begin(f"{self._flow.name} has been silent for {silent:.2f} s", now)
+            why = f"{self._flow.name} has been silent for {silent:.2f} s"
+            self._begin(why, now, ramped=True)
 
-    def _begin(self, why: str, now: int) -> None:
+    def _begin(self, why: str, now: int, *, ramped: bool) -> None:
         velocity = self._velocity()
         if velocity is not None and not velocity.moves:
             self._machine.step(Input.AT_REST)
             return
         self.why = why
         self.stops += 1
-        self._ramp = Ramp.of(velocity or Velocity(()), self._stop, now)
+        self._ramp = Ramp.of((ramped and velocity) or Velocity(()), self._stop, now)
         self._next = now
 
     def _go_on(self, now: int) -> Velocity | None:

@@ -34,7 +34,7 @@ VELOCITIES = (
 def rsrcn_misfits(plan: Plan) -> Iterator[Misfit]:
     """Yield everything in which the RSRCN and the fps_monitors contradict themselves."""
     for monitor in plan.fps_monitor:
-        yield from _camera(monitor)
+        yield from _monitor(monitor)
     rsrcn = plan.rsrcn
     if rsrcn is None:
         return
@@ -46,12 +46,15 @@ def rsrcn_misfits(plan: Plan) -> Iterator[Misfit]:
         yield from (misfit for topic in rsrcn.vflows for misfit in _limited(topic, rsrcn.policy))
 
 
-def _camera(monitor: FpsMonitor) -> Iterator[Misfit]:
+def _monitor(monitor: FpsMonitor) -> Iterator[Misfit]:
     camera = monitor.camera
     if camera and monitor.topic == camera.topic:
         yield camera, "topic", f"{camera.topic} is what {monitor.node} publishes, not what it sees"
     elif camera and monitor.node == camera.publisher:
         yield camera, "publisher", f"{monitor.node} cannot be its own camera"
+    if monitor.silent_after > monitor.window:
+        why = "frames are counted no longer than the window"
+        yield monitor, "silent_after", f"silent_after is longer than the window: {why}"
 
 
 def _parameters(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:
