@@ -8,7 +8,7 @@ from streams import TWIST, peer
 from velocities import speeds, twist
 
 from rtron.guard.host import Host
-from rtron.guard.senses import senses_of
+from rtron.guard.senses import MAX_EVENT, senses_of
 from rtron.guard.transport.memory import MemoryTransport
 from rtron.guard.transport.transport import TypeInfo
 from rtron.vocabulary import (
@@ -405,3 +405,91 @@ def test_a_flow_that_a_rule_blocks_does_not_take_the_output_from_others():
     nav(twist(0.9))
     teleop(twist(0.3))
     assert [x for x, _ in speeds(driver)] == [0.2, 0.9]
+
+
+def test_a_goal_that_a_rule_forbids_takes_no_place_in_a_queue():
+    grcn = GRCN(
+        id="grcn_goal",
+        topic="/goal",
+        type="geometry_msgs/PoseStamped",
+        domain=Domain.PLANNING,
+        kind=StreamKind.ACTION,
+        sharing=Sharing.CONTEND,
+        mode=Mode.ENFORCE,
+        policy=PolicyName.FIFO_QUEUE,
+        flows=(
+            Flow(name="flow1", publisher="/monitor"),
+            Flow(name="flow2", publisher="/rviz"),
+        ),
+        successors=("/move_base",),
+    )
+    goals = replace(GOALS, flows=(*GOALS.flows, Flow(name="aflow4", publisher="/rviz")))
+    transport, _ = guarded((goals,), (), (KEEP_OUT,), areas=(UNSTABLE,), grcn=(grcn,))
+    planner = transport.listen("/rtron/goal/out")
+    transport.publisher("/rtron/goal/flow1", peer("/monitor", POSE))(pose(3.0, 1.0))
+    transport.publisher("/rtron/goal/flow2", peer("/rviz", POSE))(pose(1.0, 1.0))
+    assert planner == [pose(1.0, 1.0)]
+
+
+def test_an_obligation_outlasts_what_it_came_from():
+    alert = Rule(name="alert", when="red", block=("/cmd_vel",), require="/alert")
+    transport, _ = guarded((MOVING, ALERTS), rules=(alert,))
+    driver = transport.listen(OUT)
+    nav, lamp = transport.publisher(NAV, peer("/nav")), light(transport)
+    lamp(string("red"))
+    lamp(string("green"))
+    nav(twist(0.1))
+    assert driver == []
+    transport.publisher("/rtron/alert/aflow4", peer("/voice", STRING))(string("help"))
+    nav(twist(0.2))
+    assert [x for x, _ in speeds(driver)] == [0.2]
+
+
+def test_two_publishers_of_one_event_are_one_too_many():
+    pattern = replace(LIGHT, publisher="/camera_*")
+    transport, _ = guarded(eflows=(pattern,))
+    driver = transport.listen(OUT)
+    nav = transport.publisher(NAV, peer("/nav"))
+    left, right = peer("/camera_left", STRING), peer("/camera_right", STRING)
+    transport.publisher("/light", left)(string("green"))
+    nav(twist(0.1))
+    transport.publisher("/light", right)(string("green"))
+    nav(twist(0.2))
+    transport.leave("/light", right)
+    nav(twist(0.3))
+    assert 0.2 not in [x for x, _ in speeds(driver)]
+    assert {0.1, 0.3} <= {x for x, _ in speeds(driver)}
+
+
+def test_an_event_that_is_repeated_grows_old():
+    near = replace(
+        LIGHT,
+        name="near",
+        topic="/pose",
+        type="geometry_msgs/PoseStamped",
+        when="event.pose.position.x > 9.0",
+        max_age=SECOND,
+    )
+    transport, _ = guarded(eflows=(near,), rules=(replace(AT_RED, when="near"),))
+    driver = transport.listen(OUT)
+    nav = transport.publisher(NAV, peer("/nav"))
+    where = transport.publisher("/pose", peer("/camera", POSE))
+    stamped = pose(1.0, 1.0)[:8] + struct.pack("<II", 7, 0) + pose(1.0, 1.0)[16:]
+    for _ in range(5):
+        where(stamped)
+        transport.advance(SECOND // 5)
+    nav(twist(0.1))
+    assert driver == []
+    where(pose(1.0, 1.0))
+    nav(twist(0.2))
+    assert [x for x, _ in speeds(driver)] == [0.2]
+
+
+def test_an_event_that_is_too_long_to_look_into_blocks():
+    transport, _ = guarded()
+    driver = transport.listen(OUT)
+    lamp = light(transport)
+    lamp(string("green"))
+    lamp(string("green" + " " * MAX_EVENT))
+    transport.publisher(NAV, peer("/nav"))(twist(0.1))
+    assert driver == []

@@ -1,6 +1,7 @@
 """Supervised overrides: asked for through the guard's door, in force for a while, never beyond."""
 
 import json
+import logging
 import os
 import socket
 import threading
@@ -36,7 +37,7 @@ def test_what_was_limited_passes_until_the_override_expires():
     nav(twist(1.0))
     transport.advance(1)
     nav(twist(1.0))
-    assert [x for x, _ in speeds(driver)] == [1.0, 1.0, 0.2]
+    assert [x for x, _ in speeds(driver)] == [1.0, 1.0, 0.2, 0.2]
 
 
 def test_an_override_can_be_ended_before_its_time():
@@ -104,6 +105,7 @@ def test_a_maximal_velocity_is_taken_back_when_the_override_expires():
         asked(SECOND, id="grcn_cmd_vel"),
         asked(SECOND, id=None),
         asked(SECOND, reason="  "),
+        asked(SECOND, reason="\n\x1b\u2028\ud800"),
         asked(SECOND, reason=3),
         asked(-1),
         asked(LONGEST + 1),
@@ -117,6 +119,29 @@ def test_a_request_that_is_wrong_grants_nothing(request_):
         overriding.answer("ann", request_)
     nav(twist(1.0))
     assert [x for x, _ in speeds(driver)] == [0.2]
+
+
+@pytest.mark.parametrize(
+    ("reason", "kept"),
+    [
+        (r'"dock\ud800ing"', "dock ing"),
+        (
+            r'"docking\nWARNING rsrcn: overridden by root"',
+            "docking WARNING rsrcn: overridden by root",
+        ),
+        (r'"\u001b[2K\rdo\u0000c\u2028k\u202e "', "[2K do c k"),
+        (r'"zum Ladegerät \ud83d\ude00"', "zum Ladegerät \U0001f600"),
+        (json.dumps("x" * 300), "x" * 200),
+    ],
+)
+def test_a_reason_is_one_line_of_what_can_be_printed(reason, kept, caplog):
+    transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2))
+    Overriding(host, transport).answer("ann", asked(SECOND, reason=json.loads(reason)))
+    assert caplog.messages == [f"rsrcn: overridden by ann for 1.0 s: {kept}"]
+    assert host.statuses()[0].values["overridden rsrcn"].encode().decode().endswith(f": {kept}")
+    transport.publisher(NAV, peer("/nav"))(twist(1.0))
+    why = host.guarded[0].pipeline.tallies["vflow1"].last.reason
+    assert f"({kept})" in why.encode().decode()
 
 
 @pytest.fixture
@@ -177,6 +202,95 @@ def test_a_folder_that_others_may_enter_is_refused(tmp_path):
     with pytest.raises(SourceError, match="others may enter"):
         Control(loop, folder / "guard.sock", lambda who, request: {})
     loop.close()
+
+
+@pytest.fixture
+def open_door(tmp_path):
+    """Return what opens a door at one path, which nobody serves."""
+    loop = Loop()
+    (tmp_path / "door").mkdir(mode=0o700)
+    path = tmp_path / "door" / "guard.sock"
+    yield lambda: Control(loop, path, lambda who, request: {}), path
+    loop.close()
+
+
+def test_a_second_guard_leaves_the_door_to_the_first(door):
+    loop = Loop()
+    with pytest.raises(SourceError, match=f"another guard listens at {door}") as refused:
+        Control(loop, door, lambda who, request: {})
+    loop.close()
+    assert "--control" in refused.value.help
+    assert talk(door, b'{"a": 1}\n')
+
+
+def full(caller, path):
+    """Tell whether a door has no room for one more caller; these are not waited for."""
+    caller.settimeout(0)
+    try:
+        caller.connect(str(path))
+    except BlockingIOError:
+        return True
+    return False
+
+
+def test_a_guard_that_hears_nobody_out_is_there_all_the_same(open_door):
+    control, path = open_door
+    first = control()
+    callers = []
+    while not (callers and full(callers[-1], path)):
+        callers.append(socket.socket(socket.AF_UNIX, socket.SOCK_STREAM))
+    with pytest.raises(SourceError, match="another guard listens"):
+        control()
+    for caller in callers:
+        caller.close()
+    first.close()
+
+
+def test_a_socket_that_a_guard_left_behind_is_replaced(open_door):
+    control, path = open_door
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as gone:
+        gone.bind(str(path))
+    made = control()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as caller:
+        caller.connect(str(path))
+    made.close()
+    assert not path.exists()
+
+
+def test_what_is_no_socket_is_not_replaced(open_door):
+    control, path = open_door
+    path.write_text("mine")
+    with pytest.raises(SourceError, match="in use"):
+        control()
+    assert path.read_text() == "mine"
+
+
+def test_at_its_end_a_guard_removes_only_its_own_socket(open_door):
+    control, path = open_door
+    first = control()
+    path.unlink()
+    second = control()
+    first.close()
+    assert path.is_socket()
+    second.close()
+    assert not path.exists()
+    second.close()
+
+
+def test_a_path_that_is_too_long_for_a_socket_is_refused(tmp_path):
+    loop = Loop()
+    (tmp_path / "door").mkdir(mode=0o700)
+    with pytest.raises(SourceError, match="too long") as refused:
+        Control(loop, tmp_path / "door" / ("x" * 108), lambda who, request: {})
+    loop.close()
+    assert refused.value.help == "choose --control PATH"
+
+
+def test_a_guard_tells_where_it_listens(open_door, caplog):
+    control, path = open_door
+    with caplog.at_level(logging.INFO):
+        control().close()
+    assert caplog.messages == [f"listening for overrides at {path}"]
 
 
 def test_the_door_of_an_app_lies_in_the_user_s_own_folder(monkeypatch):

@@ -153,3 +153,17 @@ def test_a_whole_recording_ends_as_message_by_message():
 def test_an_empty_recording_is_no_error(count):
     found = play(LIMITED, [(0, NAV, twist(0.1))] * count)
     assert found.messages == count
+
+
+def test_a_long_gap_is_jumped_over():
+    found = play(LIMITED, [(0, NAV, twist(0.4)), (10**9 * SECOND, NAV, twist(2.0))])
+    assert counts(found, "vflow1") == (1, 0, 0, 1)
+    assert found.duration == 10**9 * SECOND
+    assert found.notes == ("nothing was recorded for 1000000000 s",)
+    assert found.streams[0].stops == 1
+
+
+def test_a_stop_is_told_with_its_time_and_reason():
+    found = play(LIMITED, [(0, NAV, twist(0.4)), (9 * SECOND, NAV, twist(0.4))])
+    stop = next(change for change in found.changes if change.decision == "stop")
+    assert (stop.at, stop.reason) == (5 * SECOND, "vflow1 has been silent for 5.00 s")

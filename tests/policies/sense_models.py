@@ -77,9 +77,10 @@ class NaiveBit:
         return triggers[-1] if triggers else float("inf")
 
     def read(self, now):
+        return self.flow.on_error if self.links() > 1 else self.read_one(now)
+
+    def read_one(self, now):
         flow, newest = self.flow, self.newest()
-        if self.links() > 1:
-            return flow.on_error
         if flow.silent is not None:
             return self.since_triggered(now) >= flow.silent
         if flow.present is not None:

@@ -386,8 +386,9 @@ def test_only_who_asks_for_the_limit_is_told_again():
     policy = limiting(0.5)
     policy.verdict(LOW, Velocity((1.0,)), 0)
     policy._limits.speed = 0.25
-    assert policy.deadline() is None
+    assert policy.deadline() == REISSUE_PERIOD
     assert policy.tick(SECOND) == ()
+    assert policy.deadline() == SECOND + REISSUE_PERIOD
 
 
 def test_a_limit_that_stays_needs_no_look():

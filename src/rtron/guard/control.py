@@ -4,13 +4,15 @@ One JSON object a line in, one out. Who asks is what the kernel says, not what t
 the user that the guard runs as, and root, are listened to (unix(7), SO_PEERCRED).
 """
 
+import fcntl
 import json
 import logging
 import os
 import pwd
 import socket
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -28,19 +30,25 @@ _CREDENTIALS = struct.Struct("3i")
 
 
 class Control:
-    """Listens at `path`, which only the guard's user can reach."""
+    """Listens at `path`, which only the guard's user can reach.
+
+    SourceError if another guard listens there, or if nobody can.
+    """
 
     def __init__(self, loop: Loop, path: Path, answer: Answer) -> None:
         self._loop = loop
         self._path = path
         self._answer = answer
         self._sock = _listen(path)
+        self._file = _file_at(path)
         loop.watch(self._sock, self._accept, lambda error: None)
+        log.info("listening for overrides at %s", path)
 
     def close(self) -> None:
-        """Listen no more."""
+        """Listen no more; a socket that somebody else has put at the path stays."""
+        if _file_at(self._path) == self._file:
+            self._path.unlink(missing_ok=True)
         self._loop.forget(self._sock)
-        self._path.unlink(missing_ok=True)
 
     def _accept(self) -> None:
         sock, _ = self._sock.accept()
@@ -98,24 +106,74 @@ def control_path(app: str) -> Path:
 
 
 def _listen(path: Path) -> socket.socket:
-    folder = path.parent
     try:
-        folder.mkdir(mode=0o700, exist_ok=True)
-        if folder.stat().st_uid != os.getuid() or folder.stat().st_mode & 0o077:
+        path.parent.mkdir(mode=0o700, exist_ok=True)
+        with _alone_in(path.parent):
+            _clear(path)
+            return _bound(path)
+    except OSError as error:
+        told = error.strerror or str(error)
+        raise SourceError(f"{path}: {told}", help="choose --control PATH") from None
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """Keep other guards that start from looking at the folder; it must be the user's own."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        state = os.fstat(descriptor)
+        if state.st_uid != os.getuid() or state.st_mode & 0o077:
             help = "choose --control PATH in a folder of your own (mode 700)"
             raise SourceError(f"others may enter {folder}", help=help)
-        path.unlink(missing_ok=True)
-        sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        before = os.umask(0o177)
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _clear(path: Path) -> None:
+    """Remove the socket of a guard that ended without closing it."""
+    if not path.is_socket():
+        return
+    if _listens(path):
+        help = "stop it first, or choose --control PATH"
+        raise SourceError(f"another guard listens at {path}", help=help)
+    path.unlink(missing_ok=True)
+
+
+def _listens(path: Path) -> bool:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
+        sock.settimeout(0)
         try:
-            sock.bind(str(path))
-        finally:
-            os.umask(before)
+            sock.connect(str(path))
+        except (ConnectionRefusedError, FileNotFoundError):
+            return False
+        except BlockingIOError:  # it has not accepted those who came before
+            return True
+        return True
+
+
+def _bound(path: Path) -> socket.socket:
+    sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    before = os.umask(0o177)
+    try:
+        sock.bind(str(path))
         sock.listen(_BACKLOG)
-    except OSError as error:
-        raise SourceError(f"{path}: {error.strerror}", help="choose --control PATH") from None
+    except OSError:
+        sock.close()
+        raise
+    finally:
+        os.umask(before)
     sock.settimeout(0)
     return sock
+
+
+def _file_at(path: Path) -> tuple[int, int] | None:
+    try:
+        found = path.lstat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
 
 
 def _name(uid: int) -> str:

@@ -27,6 +27,10 @@ class Decoding:
         self._codec = codec
         self._policy.reissues = codec.is_limit
 
+    def limit(self, now: int) -> float:
+        """Return the speed (m/s) that the policy allows now."""
+        return self._policy.limit(now)
+
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Ask the policy about the velocity in `message`."""
         data: bytes = message  # type: ignore[assignment]

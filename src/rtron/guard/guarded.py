@@ -16,6 +16,7 @@ from rtron.guard.types import codec_of
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     UNAPPROVED,
+    CoordinationKind,
     Decision,
     Flow,
     Mode,
@@ -57,8 +58,6 @@ class GuardedStream:
         self._meets = _meets(stream)
         action = senses.actions.get(stream.topic)
         self._md5sum = action.md5sum if action else ""
-        # A late subscriber is not told an old velocity.
-        self._keeps = stream.stages[0].settings.kind is not StreamKind.COMMAND
         self._armed_for: int | None = None
         self._state: tuple[str | None, str] = (None, "")
         self._ends = Ends(self.stream, self.nodes, transport)
@@ -86,8 +85,16 @@ class GuardedStream:
         flow = self.stopper.moving
         if flow and (why := self.pipeline.refusal(flow.name, now)):
             self.stopper.refuse(why, now)
+        self._slow_down(now)
         self._settle(now)
         self._tell()
+
+    def _slow_down(self, now: int) -> None:
+        """Say again, more slowly, what moves the robot, if it is now above a limit."""
+        limits = (policy.limit(now) for policy in self.overridable.values())
+        limit = min((limit for limit in limits if limit is not None), default=None)
+        if limit is not None and self.stopper.moving:
+            self.stopper.slow_down(limit)
 
     def _subscribe(self, topic: str, connect: Callable[[Peer], Receive | None], type: str) -> None:
         self._transport.subscribe(self.nodes[0], topic, type, connect)
@@ -97,7 +104,7 @@ class GuardedStream:
             return self._stranger(peer, f"on the private topic of {flow.name}")
         if not self._learn(peer):
             return None
-        self._ends.latch(flow.name, latching=peer.latching and self._keeps)
+        self._ends.latch(flow.name, latching=peer.latching and self._keeps(peer))
         return partial(self._receive, flow.name)
 
     def _connect_public(self, peer: Peer) -> Receive | None:
@@ -105,7 +112,7 @@ class GuardedStream:
             known = (f for f in self.stream.flows if names_node(f.publisher, peer.node))
             flow = next(known, None)
             if flow is not None:
-                return partial(self._receive, flow.name)
+                return partial(self._receive, flow.name) if self._learn(peer) else None
         return self._stranger(peer, "under the public name")
 
     def _stranger(self, peer: Peer, where: str) -> Receive | None:
@@ -128,8 +135,16 @@ class GuardedStream:
         self.pipeline.done(now)
         self._settle(now)
 
+    def _keeps(self, peer: Peer) -> bool:
+        """Tell whether a late subscriber is told the last message: not if it is a velocity."""
+        first = self.stream.stages[0]
+        if first.coordination is CoordinationKind.GRCN:
+            return first.settings.kind is not StreamKind.COMMAND
+        codec = codec_of(peer.info, self._transport.encoding)
+        return codec is None or codec.is_limit
+
     def _learn(self, peer: Peer) -> bool:
-        written_for = self._md5sum in ("", peer.info.md5sum)
+        written_for = self.dry_run or self._md5sum in ("", peer.info.md5sum)
         if not (written_for and self._ends.learn(peer.info)):
             told = "%s: %s has another type, %s"
             log.error(told, self.stream.topic, peer.node, peer.info.type)
@@ -214,6 +229,7 @@ class GuardedStream:
 
     def _tick(self, now: int) -> None:
         self.stopper.tick(now)
+        self._slow_down(now)
         try:
             self.pipeline.tick(now)
         except Exception:

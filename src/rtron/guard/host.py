@@ -15,6 +15,7 @@ from rtron.guard.messages import (
     float64_message,
     string_message,
 )
+from rtron.guard.seldom import PERIOD, Seldom
 from rtron.guard.senses import Senses
 from rtron.guard.statuses import active_text, statuses
 from rtron.guard.transport.transport import Output, Transport
@@ -26,7 +27,6 @@ log = logging.getLogger(__name__)
 
 GUARD_NODE = "/rtron_guard"
 _FPS_PERIOD = SECOND // 10
-_LOG_PERIOD = SECOND
 
 
 class Host:
@@ -50,23 +50,29 @@ class Host:
         self._transport = transport
         self._watching = Watching(transport, self.senses, _ways(streams), self._heard)
         self._attending = False
-        self._logged: dict[str, int] = {}
+        self._seldom = Seldom()
+        self._settling: set[str] = set()
         self._armed_for: int | None = None
         self._diagnostics: Output | None = None
         self._reports = 0
         self.senses.mission.changed = self._rule_changed
 
     def open(self) -> None:
-        """Join the graph with every coordination node."""
+        """Join the graph with every coordination node, and report from now on."""
+        self.guard()
         for guarded in self.guarded:
-            guarded.open()
             self._show_owner(guarded)
-        self._watching.open()
         for monitor in self.senses.monitors:
             self._show_rate(monitor.id)
         self._diagnostics = self._announce(GUARD_NODE, "/diagnostics", DIAGNOSTICS.type)
         self._diagnostics.learn(DIAGNOSTICS)
         self._report()
+
+    def guard(self) -> None:
+        """Join the graph without a report: a recording has nobody who reads it."""
+        for guarded in self.guarded:
+            guarded.open()
+        self._watching.open()
 
     def killed(self, node: str, reason: str) -> bool:
         """Shut what a killed node took part in; tell whether it was the guard's own node."""
@@ -102,12 +108,17 @@ class Host:
             self._transport.call_at(self._transport.now(), self.attend)
 
     def _log_change(self, standing: Standing) -> None:
-        """Log that a rule began or ceased to block, but not a flickering one each time."""
+        """Log that a rule began or ceased to block; of a flickering one, what it is in the end."""
         now, rule = self._transport.now(), standing.rule.name
-        if now - self._logged.get(rule, -_LOG_PERIOD) >= _LOG_PERIOD:
-            self._logged[rule] = now
-            told = "blocked: %s" if standing.blocks else "free again: %s"
-            log.warning(told, standing.reason)
+        if self._seldom.may_say(rule, now):
+            _log_standing(standing)
+        elif rule not in self._settling:
+            self._settling.add(rule)
+            self._transport.call_at(now + PERIOD, partial(self._settled, standing))
+
+    def _settled(self, standing: Standing) -> None:
+        self._settling.discard(standing.rule.name)
+        _log_standing(standing)
 
     def attend(self) -> None:
         """Let every stream look whether what moves the robot may go on."""
@@ -139,11 +150,15 @@ class Host:
         self._transport.call_at(now + _FPS_PERIOD, partial(self._tell_rate, monitor, output))
 
     def _report(self) -> None:
+        self._transport.call_at(self._transport.now() + SECOND, self._report)
         if self._diagnostics is not None:
             self._reports += 1
             message = diagnostics_message(self._reports, time.time_ns(), self.statuses())
             self._diagnostics.publish(message)
-        self._transport.call_at(self._transport.now() + SECOND, self._report)
+
+
+def _log_standing(standing: Standing) -> None:
+    log.warning("blocked: %s" if standing.blocks else "free: %s", standing.reason)
 
 
 def _ways(streams: Sequence[Stream]) -> Ways:

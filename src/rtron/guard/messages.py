@@ -60,7 +60,7 @@ def _status(status: Status) -> bytes:
 
 
 def _string(text: str) -> bytes:
-    data = text.encode()
+    data = text.encode(errors="replace")
     return _U32.pack(len(data)) + data
 
 

@@ -35,6 +35,13 @@ class Overridable:
         if isinstance(self._policy, Decoding):
             self._policy.learn(codec)
 
+    def limit(self, now: int) -> float | None:
+        """Return the speed (m/s) that the policy allows now; None if it sets none."""
+        overridden = self.override is not None and now < self.override.until
+        if overridden or not isinstance(self._policy, Decoding):
+            return None
+        return self._policy.limit(now)
+
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Return the policy's verdict, or that it is overridden."""
         verdict = self._policy.verdict(flow, message, now)

@@ -13,6 +13,7 @@ from rtron.vocabulary import SECOND
 log = logging.getLogger(__name__)
 
 LONGEST = 3600 * SECOND
+_LONGEST_REASON = 200
 _KEYS = {"override", "duration", "reason"}
 
 
@@ -32,12 +33,12 @@ class Overriding:
             raise WireError(f"a request has {', '.join(sorted(_KEYS))}")
         policies = self._policies(request["override"])
         duration = _duration(request["duration"])
-        reason = request["reason"]
-        if not isinstance(reason, str) or not (reason.strip() or duration == 0):
+        reason = _reason(request["reason"])
+        if not reason and duration:
             raise WireError("an override needs a reason")
-        self._grant(policies, Override(who, reason[:200], self._transport.now() + duration))
+        self._grant(policies, Override(who, reason, self._transport.now() + duration))
         told = "%s: overridden by %s for %s s: %s"
-        log.warning(told, request["override"], who, duration / SECOND, reason[:200])
+        log.warning(told, request["override"], who, duration / SECOND, reason)
         return {"granted": request["override"], "duration": duration}
 
     def _policies(self, id: object) -> Sequence[Overridable]:
@@ -62,3 +63,11 @@ def _duration(value: object) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= LONGEST:
         raise WireError(f"a duration is a number of nanoseconds, {LONGEST} at most")
     return value
+
+
+def _reason(value: object) -> str:
+    """Return a reason on one line: what cannot be printed or encoded could forge lines of a log."""
+    if not isinstance(value, str):
+        raise WireError("a reason is a text")
+    printable = "".join(each if each.isprintable() else " " for each in value)
+    return " ".join(printable.split())[:_LONGEST_REASON]

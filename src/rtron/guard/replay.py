@@ -11,6 +11,7 @@ from rtron.guard.transport.memory import MemoryTransport
 from rtron.guard.transport.transport import Receive
 from rtron.messages.encoding import Encoding
 from rtron.vocabulary import (
+    SECOND,
     Change,
     FlowCount,
     Plan,
@@ -20,6 +21,7 @@ from rtron.vocabulary import (
 )
 
 MOST_CHANGES = 10_000
+LONGEST_GAP = 60 * SECOND
 _STEP = 10_000
 Message = tuple[int, Recorded, bytes]
 """A recorded message: its time (ns), what it belongs to, and its bytes as the guard sees them."""
@@ -41,9 +43,10 @@ class Player:
         self._notes: list[str] = []
         self._messages = 0
         self._began: int | None = None
-        self._host.open()
+        self._host.guard()
         for guarded in self._host.guarded:
             guarded.pipeline.changed = partial(self._changed, guarded.stream.topic)
+            guarded.told = partial(self._told, guarded)
 
     def play(self, messages: Iterable[Message], progress: Callable[[int], None]) -> Replay:
         """Play messages and return what was found so far; `progress` is told how many were read."""
@@ -53,13 +56,21 @@ class Player:
                 self._began = time
             ahead = time - self._began - transport.now()
             if ahead > 0:
-                transport.advance(ahead)
+                self._pass_time(ahead)
             receive = receivers.get(recorded) or self._connect(recorded)
             receive(data)
             self._messages += 1
             if self._messages % _STEP == 0:
                 progress(self._messages)
         return self._found()
+
+    def _pass_time(self, duration: int) -> None:
+        """Let time pass; a long gap is mostly jumped over, since nothing can happen in it."""
+        stepped = min(duration, LONGEST_GAP)
+        self._transport.advance(stepped)
+        if duration > stepped:
+            self._notes.append(f"nothing was recorded for {duration / SECOND:.0f} s")
+            self._transport.jump(duration - stepped)
 
     def _connect(self, recorded: Recorded) -> Receive:
         topic = self._places.topic(recorded)
@@ -75,6 +86,14 @@ class Player:
         self._notes.append(f"{recorded.topic}: its publisher is not recorded: {who}")
 
     def _changed(self, topic: str, verdict: Verdict) -> None:
+        self._add(topic, verdict.flow, verdict.decision, verdict.policy, verdict.reason)
+
+    def _told(self, guarded: GuardedStream) -> None:
+        if guarded.stopper.why:
+            stopped = guarded.stopper.stopped
+            self._add(guarded.stream.topic, stopped, "stop", "", guarded.stopper.why)
+
+    def _add(self, topic: str, flow: str, decision: str, policy: str, reason: str) -> None:
         if len(self._changes) >= MOST_CHANGES:
             self._unseen += 1
             return
@@ -82,10 +101,10 @@ class Player:
             Change(
                 at=self._transport.now(),
                 topic=topic,
-                flow=verdict.flow,
-                decision=verdict.decision,
-                policy=verdict.policy,
-                reason=verdict.reason,
+                flow=flow,
+                decision=decision,
+                policy=policy,
+                reason=reason,
             )
         )
 

@@ -6,11 +6,14 @@ from dataclasses import dataclass, field
 
 from rtron.guard.judging import Judges, Judging
 from rtron.messages.condition import Condition
-from rtron.policies.bits import Bit, Bits, Truth
+from rtron.policies.bits import Bit, Bits
 from rtron.policies.mission import Mission
 from rtron.policies.rates import Rates
 from rtron.policies.rule_block import Judgement
 from rtron.vocabulary import MSRCN, EventFlow, FpsMonitor, GuardedTopic, Plan, Rule, normalise_type
+
+MAX_EVENT = 1 << 20
+"""The longest event that an expression looks into, bytes: all other streams wait meanwhile."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,9 +27,11 @@ class EventSource:
     bits: tuple[Bit, ...]
     judge: Judging
 
-    def judged(self, message: bytes) -> Sequence[Truth]:
-        """Return what a message says about each bit."""
-        return [None if isinstance(each, str) else each for each in self.judge(message)]
+    def judged(self, message: bytes) -> Sequence[Judgement]:
+        """Return what a message says about each bit, or why that cannot be told."""
+        if len(message) > MAX_EVENT and self.md5sum:
+            return (f"a message of {len(message)} bytes is too long to look into",) * len(self.bits)
+        return self.judge(message)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -44,6 +44,11 @@ class Stopper:
         return self._stopping.why
 
     @property
+    def stopped(self) -> str:
+        """The flow that moved the robot last."""
+        return self._stopping.stopped
+
+    @property
     def stops(self) -> int:
         """How often the robot was stopped."""
         return self._stopping.stops
@@ -65,6 +70,13 @@ class Stopper:
         if verdict.error and flow and flow.name == verdict.flow and flow.on_error is OnError.STOP:
             self.refuse(verdict.reason, now)
 
+    def slow_down(self, limit: float) -> None:
+        """Say again what moves the robot at no more than `limit` (m/s), if that is less."""
+        velocity = self._velocity()
+        if self._codec is not None and velocity is not None and velocity.speed > limit:
+            self._last = self._codec.encode(self._last, velocity.at_most(limit))
+            self._send(self.stopped, self._last)
+
     def refuse(self, why: str, now: int) -> None:
         """Stop the robot: what moves it may not go on."""
         self._stopping.refuse(why, now)
@@ -75,7 +87,7 @@ class Stopper:
         if velocity is not None and self._codec is not None:
             rest = not velocity.linear
             made = self._codec.rest if rest else self._codec.encode(self._last, velocity)
-            self._send(self._stopping.stopped, made)
+            self._send(self.stopped, made)
 
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do."""

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from rtron.errors import WireError
+from rtron.guard.news import News
+from rtron.guard.seldom import Seldom
 from rtron.guard.senses import EventSource, Senses
 from rtron.guard.transport.transport import Peer, Receive, Transport
 from rtron.guard.types import stamp_of
@@ -43,6 +45,7 @@ class Watching:
         self._senses = senses
         self._ways = ways
         self._changed = changed
+        self._seldom = Seldom()
 
     def open(self) -> None:
         """Join the graph."""
@@ -79,12 +82,18 @@ class Watching:
         for bit in source.bits:
             bit.found()
         self._look_again()
-        return partial(self._event, source)
+        news = News(stamp_of(peer.info, self._transport.encoding))
+        return partial(self._event, source, news)
 
-    def _event(self, source: EventSource, message: bytes) -> None:
+    def _event(self, source: EventSource, news: News, message: bytes) -> None:
+        if not news.is_new(message):
+            return
         now = self._transport.now()
-        for bit, truth in zip(source.bits, source.judged(message), strict=True):
+        for bit, found in zip(source.bits, source.judged(message), strict=True):
+            truth = None if isinstance(found, str) else found
             self._senses.mission.observe(bit.flow.name, truth, now)
+            if truth is None and self._seldom.may_say(bit.flow.name, now):
+                log.warning("%s: what %s says is not known: %s", source.topic, bit.flow.name, found)
         self._look_again()
 
     def _event_lost(self, source: EventSource, peer: Peer) -> None:
@@ -107,7 +116,8 @@ class Watching:
         try:
             note(stamp(message), self._transport.now())
         except WireError as error:
-            log.warning("a frame does not count: %s", error)
+            if self._seldom.may_say(note, self._transport.now()):
+                log.warning("a frame does not count: %s", error)
         self._changed()
 
 

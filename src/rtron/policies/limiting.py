@@ -127,6 +127,10 @@ class Limiting:
         limit = self._limits.at(now)
         return self._drop.give(flow, _nothing(limit)) if self._rests(limit) else None
 
+    def limit(self, now: int) -> float:
+        """Return the speed (m/s) that is not to be exceeded at `now`."""
+        return self._limits.at(now).speed
+
     def observe_done(self, now: int) -> None:
         """Nothing is in progress here."""
 
@@ -136,8 +140,10 @@ class Limiting:
         asked, due = self._asked, self.deadline()
         if asked is None or due is None or now < due:
             return ()
-        limit = self._limits.at(now)
         self._look_later(now)
+        if not self.reissues:
+            return ()
+        limit = self._limits.at(now)
         velocity = asked.wanted.at_most(limit.speed)
         if velocity == asked.sent:
             return ()
@@ -157,7 +163,7 @@ class Limiting:
 
     def deadline(self) -> int | None:
         """Return when to look at a changing limit again."""
-        return self._due if self.reissues else None
+        return self._due
 
     @property
     def owner(self) -> str | None:

@@ -10,7 +10,7 @@ from rtron.vocabulary import SECOND, Change, FlowCount, Replay, StreamCount
 _MOST_SHOWN = 40
 _STYLES = ("cyan", "dim", "green", "", "red", "yellow")
 _HEAD = ("flow", "publisher", "passed", "held", "dropped", "modified")
-_DECISIONS = {"drop": "red", "modify": "yellow", "pass": "green"}
+_DECISIONS = {"drop": "red", "modify": "yellow", "pass": "green", "stop": "bold red"}
 
 
 def replay_text(title: str, replay: Replay) -> Report:
