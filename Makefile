@@ -32,7 +32,7 @@ coverage: setup ## Check that the tests go through every branch of the policies,
 test: lint coverage ## Run lint, coverage and every test
 	$(BIN)/pytest
 
-mutation: setup ## Change the policies in some thousand small ways; a test must fail each time (slow)
+mutation: setup ## Change the policies in over a thousand small ways; tests must notice (slow)
 	$(BIN)/mutmut run --max-children 1
 	$(PYTHON) -W ignore scripts/mutate.py
 

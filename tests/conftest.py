@@ -2,12 +2,21 @@
 
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
 sys.path.append(str(Path(__file__).parent / "ros1"))
 from harness import Ros1
 from roslaunch_oracle import RosLoader
+
+
+@pytest.fixture(scope="session", autouse=True)
+def runtime_folder():
+    """Let guards listen where those of other runs, and of the machine's robots, do not."""
+    with TemporaryDirectory(prefix="rtron-") as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_RUNTIME_DIR", folder)
+        yield
 
 
 @pytest.fixture

@@ -190,7 +190,7 @@ def test_a_dead_event_node_stops_the_robot(ros1, driven, event, yaml):
         what="navigation, which goes on",
     )
     assert set(speeds(driven)[rest:]) <= {0.0}
-    assert "rule careful: charge first (an event that it asks for is not known)" in told(ros1)
+    assert "rule careful: charge first (not known: low)" in told(ros1)
 
 
 def test_an_event_stops_the_robot_and_its_end_lets_it_go_on(ros1, driven):

@@ -399,6 +399,43 @@ def test_a_limit_that_stays_needs_no_look():
     assert policy.tick(SECOND) == ()
 
 
+@pytest.mark.parametrize(("asked", "out"), [(1.0, [0.5]), (0.5, []), (0.1, [])])
+@pytest.mark.parametrize(("varies", "later"), [(True, 7 + REISSUE_PERIOD), (False, None)])
+def test_what_has_gone_on_whole_meanwhile_is_limited_again(asked, out, varies, later):
+    policy = limiting(0.5, reissues=True)
+    policy._limits.varies = varies
+    policy.verdict(LOW, Velocity((asked,)), 0)
+    policy.again(7)
+    assert policy.deadline() == 7
+    releases = policy.tick(7)
+    assert [each.message.speed for each in releases] == out
+    assert not any(each.restores for each in releases)
+    assert policy.deadline() == later
+    assert policy.tick(7 + REISSUE_PERIOD) == ()
+
+
+def test_where_nothing_was_asked_for_nothing_is_limited_again():
+    policy = limiting(0.5, reissues=True)
+    policy.again(7)
+    assert policy.deadline() is None
+    assert policy.tick(7) == ()
+
+
+def test_only_who_asks_for_the_limit_is_limited_again():
+    policy = limiting(0.5)
+    policy._limits.varies = False
+    policy.verdict(LOW, Velocity((1.0,)), 0)
+    policy.again(7)
+    assert policy.tick(7) == ()
+    assert policy.deadline() is None
+
+
+def test_the_limit_of_a_moment_can_be_asked_for():
+    policy = limiting(0.25)
+    assert policy.limit(17) == 0.25
+    assert policy._limits.asked == [17]
+
+
 def test_nothing_is_held():
     policy = limiting(0.5, reissues=True)
     assert policy.tick(0) == ()

@@ -26,7 +26,8 @@ def override(
     ],
     reason: Annotated[str, typer.Option(metavar="TEXT", help="Why; it goes into the log.")] = "",
     control: Annotated[
-        Path | None, typer.Option(metavar="SOCKET", help="Where the guard listens, if told so.")
+        Path | None,
+        typer.Option(metavar="SOCKET", help="Where the guard listens; its log says so."),
     ] = None,
 ) -> Outcome:
     """Let pass, for a while, what an RSRCN or MSRCN forbids.
