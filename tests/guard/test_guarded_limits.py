@@ -20,6 +20,7 @@ from rtron.vocabulary import (
     GuardedTopic,
     Mode,
     OnError,
+    OnSilence,
     Plan,
     PolicyName,
     Rule,
@@ -306,3 +307,15 @@ def test_a_late_driver_hears_the_latched_maximal_velocity():
     decider = peer("/decider", FLOAT64, latching=True)
     transport.publisher("/rtron/max_vel/vflow1", decider)(float64(2.0))
     assert floats(transport.listen("/rtron/max_vel/out")) == [0.22]
+
+
+def test_what_was_released_is_told_to_rest_when_it_is_above_the_limit():
+    flow = replace(VELOCITY.flows[0], silent_after=SECOND // 10, on_silence=OnSilence.RELEASE)
+    transport, _ = guarded(plan(PolicyName.SAFE, replace(VELOCITY, flows=(flow,)), threshold=0.05))
+    driver = transport.listen(OUT)
+    camera = film(transport, fps=20)
+    transport.publisher(NAV, peer("/nav"))(twist(0.9))
+    film(transport, fps=20, say=camera)
+    assert speeds(driver) == [(0.9, 0.0)]
+    film(transport, fps=4, seconds=2, say=camera)
+    assert set(speeds(driver)[1:]) == {(0.0, 0.0)}

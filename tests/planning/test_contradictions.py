@@ -63,7 +63,7 @@ def test_the_lines_are_as_said():
         ["block: [/cmd_vel]"],
         ["block: [/cmd_vel], action: action.linear.x > 0.1"],
         ["block: [/cmd_vel], require: S"],
-        ["when: a, block: [/cmd_vel], require: a"],
+        ["when: a, block: [/cmd_vel], require: b"],
         ["when: a, block: [v1], require: /cmd_vel"],
         ["when: a, block: [G], require: S", "when: b, block: [v1], require: S"],
         ["when: a, block: [G], require: S", "when: '!a', block: [S]"],

@@ -25,16 +25,17 @@ msrcn:
   mode: observe
   aflows: [{topic: /cmd_vel, type: geometry_msgs/Twist, flows: [{name: a1, publisher: /teleop}]}]
   eflows:
-    - {name: low, topic: /battery, publisher: /base, type: my_msgs/Battery, when: event.left < 0.2}
+    - {name: low, topic: /bat, publisher: /b, type: my_msgs/Bat, when: "!(event.left >= 0.2)"}
     - {name: seen, topic: /people, publisher: /eyes, present: 2 s}
+    - {name: moved, topic: /odom, publisher: /base, present: 1 s}
   rules:
-    - {name: rest, when: low && !seen, block: [a1], action: action.linear.x > 0.1, require: seen}
+    - {name: rest, when: low && !seen, block: [a1], action: action.linear.x > 0.1, require: /odom}
   areas: [{name: bed, frame: map, polygon: [{x: 0, y: 0}, {x: 1 m, y: 0}, {x: 0, y: 1}]}]
   transforms: [{source: odom, target: map, yaw: 90 deg}]
 fps_monitor: [{node: /a, topic: /b, camera: {name: c, topic: /c, publisher: /d}}]
 stop: {decel: 1 m/s2, period: 20 ms}
 messages:
-  - type: my_msgs/Battery
+  - type: my_msgs/Bat
     definition: |
       float32 left
 """

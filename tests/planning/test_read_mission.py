@@ -39,7 +39,7 @@ msrcn:
       topic: /battery
       publisher: /base
       type: sensor_msgs/BatteryState
-      when: event.percentage < 0.2
+      when: "!(event.percentage >= 0.2)"
       max_age: 5 s
       on_silence: keep
       on_error: set
@@ -72,6 +72,7 @@ messages:
       bool worn
       float32 precision
 """
+LOW = '"!(event.percentage >= 0.2)"'
 
 
 def faults(text: str) -> list[str]:
@@ -116,7 +117,7 @@ def test_everything_about_a_mission():
                 topic="/battery",
                 publisher="/base",
                 type="sensor_msgs/BatteryState",
-                when="event.percentage < 0.2",
+                when="!(event.percentage >= 0.2)",
                 max_age=5 * SECOND,
                 on_silence=WhenUnknown.KEEP,
                 on_error=WhenUnknown.SET,
@@ -205,21 +206,21 @@ def test_it_is_written_to_be_read():
             "unknown word 'drop': choose from",
         ),
         ("frame: base", "frame: the base", 21, "frame: 'the base' is not a frame like map"),
-        ("event.percentage < 0.2", "event.percent < 0.2", 16, "when: column "),
-        ("event.percentage < 0.2", "event.percent < 0.2", 16, "has no field 'percent'"),
-        ("event.percentage < 0.2", "event.percent < 0.2", 16, "did you mean percentage?"),
-        ("event.percentage < 0.2", "event.percentage < 1", 16, "write numbers compared with a flo"),
-        ("event.percentage < 0.2", "event.percentage", 16, "not a truth"),
-        ("event.percentage < 0.2", "evnt.percentage < 0.2", 16, "did you mean event?"),
-        ("event.percentage < 0.2", "event.percentage <", 16, "when: column "),
-        ("event.percentage < 0.2", "x" * 4097, 16, "is not an expression of at most 4096 char"),
-        ("event.percentage < 0.2", "1", 16, "when: '1' is no text: put it in quotes"),
+        (LOW, "event.percent < 0.2", 16, "when: column "),
+        (LOW, "event.percent < 0.2", 16, "has no field 'percent'"),
+        (LOW, "event.percent < 0.2", 16, "did you mean percentage?"),
+        (LOW, "event.percentage < 1", 16, "write numbers compared with a flo"),
+        (LOW, "event.percentage", 16, "not a truth"),
+        (LOW, "evnt.percentage < 0.2", 16, "did you mean event?"),
+        (LOW, "event.percentage <", 16, "when: column "),
+        (LOW, "x" * 4097, 16, "is not an expression of at most 4096 char"),
+        (LOW, "1", 16, "when: '1' is no text: put it in quotes"),
         ("      type: sensor_msgs/BatteryState\n", "", 15, "the type is needed to check the"),
         (
             "type: sensor_msgs/BatteryState",
             "type: a/B",
             16,
-            "RTron does not know the type a/B:",
+            "RTron does not know the type a/B (add it",
         ),
         ("type: sensor_msgs/BatteryState", "type: a/B", 16, "as `rosmsg show -r a/B` prints it"),
         # A rule
@@ -247,6 +248,14 @@ def test_it_is_written_to_be_read():
         ("require: /alert", "require: a1", 27, "the rule itself blocks a1"),
         ("require: /alert", "require: a3", 27, "the rule itself blocks a3"),
         ("require: /alert", "require: 3", 27, "require: '3' is no text"),
+        ("require: /alert", "require: low", 27, "`when` names low: what makes the rule hold"),
+        ("require: /alert", "require: person", 27, "`when` names person: what makes"),
+        ("require: /alert", "require: /battery", 27, "`when` names low on /battery: what makes"),
+        ("require: /alert", "require: /people", 27, "`when` names person on /people: what"),
+        ("require: /alert", "require: blind", 27, "blind is the eflow of a silence, and a silenc"),
+        ("require: /alert", "require: blind", 27, "does not speak: name its topic"),
+        ("require: /alert", "require: blnd", 27, "no flow or topic blnd in the MSRCN: did you m"),
+        ("require: /alert", "require: /scann", 27, "no flow or topic /scann in the MSRCN: did"),
         ("      block: [/goal, a3]\n", "", 24, "a rule needs block"),
         (
             "      reason",
@@ -323,25 +332,24 @@ def test_a_slip_is_told_with_its_line(old, new, line, fault):
     if not line:
         assert parse_plan(swap(old, new))
         return
-    told = faults(swap(old, new))
-    wanted = fault.split("|")
-    assert any(
-        text.startswith(f"my.yaml:{line}: ") and any(each in text for each in wanted)
-        for text in told
-    ), told
+    with pytest.raises(PlanError) as caught:
+        parse_plan(swap(old, new), "my.yaml")
+    told = f"{caught.value} ({caught.value.help})".splitlines()
+    assert any(text.startswith(f"my.yaml:{line}: ") and fault in text for text in told), told
 
 
 @pytest.mark.parametrize(
     ("old", "new"),
     [
         (
-            "event.percentage < 0.2",
+            LOW,
             "|\n        event.percentage < 0.2 ||\n        event.percentage > 2.0",
         ),
         ("type: sensor_msgs/BatteryState", "type: sensor_msgs/msg/BatteryState"),
         ("require: /alert", "require: a4"),
-        ("require: /alert", "require: person"),
-        ("require: /alert", "require: /people"),
+        ("require: /alert", "require: bad"),
+        ("require: /alert", "require: /wear"),
+        ("require: /alert", "require: /scan"),
         ("require: /alert", "require: ''"),
         ("  mode: enforce\n", "  mode: enforce\n  policy: Block\n"),
         ("[a1, a2]", "[/goal]"),
@@ -357,6 +365,88 @@ def test_a_slip_is_told_with_its_line(old, new, line, fault):
 def test_what_is_just_right(old, new):
     plan = parse_plan(swap(old, new))
     assert parse_plan(write_plan(plan)) == plan
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault", "help"),
+    [
+        (LOW, "event.percent < 0.2", "when: column 6 of the", "did you mean percentage?"),
+        (LOW, "evnt.percentage < 0.2", "when: column 5 of the", "did you mean event?"),
+        (LOW, "event.percentage < 1", "when: column 18 of the", "write numbers compared with a fl"),
+        (LOW, "event.percentage", "when: the expression 'event.p", "compare it with something"),
+        (LOW, "event.percentage <", "when: column 19 of the", "see cel.dev for the language"),
+        ("low && !person", "low && !persn", "when: column 9 of the", "did you mean person?"),
+        ("low && !person", "low &&", "when: column 7 of the", "combine eflows with && || !"),
+        ("position, kitchen", "position, kitchn", "action: column 30 of", "did you mean kitchen?"),
+        (
+            "type: sensor_msgs/BatteryState",
+            "type: a/B",
+            "when: RTron does not",
+            "add it under `mes",
+        ),
+        (
+            "      type: sensor_msgs/BatteryState\n",
+            "",
+            "the type is needed",
+            "give the eflow's `ty",
+        ),
+        ("low && !person", "low && !low", "this can never hold", "`rtron schema plan` describes"),
+        ("position, kitchen", "position, kitchen) && (3, 4", "action: column", "see cel.dev"),
+    ],
+)
+def test_the_help_of_an_expression_is_its_own(old, new, fault, help):
+    with pytest.raises(PlanError) as caught:
+        parse_plan(swap(old, new), "my.yaml")
+    _, _, told = str(caught.value).split(":", 2)
+    assert told.startswith(f" {fault}")
+    assert caught.value.help.startswith(help)
+    assert caught.value.help not in told
+
+
+def test_of_several_faults_each_has_its_own_help():
+    text = swap("low && !person", "low && !persn", swap(LOW, "event.percent < 0.2"))
+    with pytest.raises(PlanError) as caught:
+        parse_plan(text, "my.yaml")
+    one, other = str(caught.value).splitlines()
+    assert one.startswith("my.yaml:16: ")
+    assert one.endswith("has no field 'percent' (did you mean percentage?)")
+    assert other.startswith("my.yaml:25: ")
+    assert other.endswith("there is no eflow persn (did you mean person?)")
+    assert caught.value.help == "`rtron schema plan` describes every key"
+
+
+def test_the_same_fault_on_one_line_twice_is_one_with_its_help():
+    twice = "frame: map, when: low, block: [a1], action: action.x == 1}\n"
+    text = swap("    - {name: worn", f"    - {{name: w0, {twice}    - {{name: worn")
+    with pytest.raises(PlanError) as caught:
+        parse_plan(text, "my.yaml")
+    assert len(str(caught.value).splitlines()) == 1
+    assert caught.value.help.startswith("there are: header, pose")
+
+
+EYES = "    - {name: eyes, topic: /people, publisher: /user, present: 2 s}\n"
+
+
+@pytest.mark.parametrize("required", ["low", "blind", "person", "/people", "/battery"])
+def test_what_is_required_may_not_be_what_the_rule_is_about(required):
+    """`blind` and `eyes` are apart: each alone shows its own fault."""
+    text = swap("  rules:\n", f"{EYES}  rules:\n")
+    (told,) = faults(text.replace("require: /alert", f"require: {required}"))
+    assert told.startswith("my.yaml:28: ")
+
+
+@pytest.mark.parametrize("required", ["eyes", "bad", "/wear", "/scan", "a4", "/alert"])
+def test_what_is_required_may_be_any_other_flow_or_topic(required):
+    text = swap("  rules:\n", f"{EYES}  rules:\n")
+    plan = parse_plan(text.replace("require: /alert", f"require: {required}"))
+    assert plan.msrcn.rules[0].require == required
+
+
+def test_a_silence_is_not_required_with_an_expression_either():
+    silence = "silent: 500 ms, when: 'size(event.ranges) > 0', type: sensor_msgs/LaserScan"
+    text = swap("silent: 500 ms", silence).replace("require: /alert", "require: blind")
+    (told,) = faults(text)
+    assert told.startswith("my.yaml:27: blind is the eflow of a silence")
 
 
 def test_a_type_is_defined_once():
@@ -386,7 +476,7 @@ def test_definitions_are_checked_without_a_mission_too():
 def test_a_topic_has_one_type_in_the_whole_plan():
     grcn = (
         "grcn:\n  - topic: /cmd_vel\n    mode: enforce\n    policy: Block\n"
-        "    type: geometry_msgs/msg/Twist\n    flows: []\n"
+        "    type: geometry_msgs/msg/Twist\n    flows: [{name: g1, publisher: /move_base}]\n"
     )
     assert parse_plan(MISSION + grcn)
     assert faults(MISSION + grcn.replace("Twist", "Pose"))[-1] == (

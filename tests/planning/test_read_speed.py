@@ -144,6 +144,7 @@ def test_it_is_written_as_it_was_read():
         ("publisher: /signs}", "publisher: /sign}", 15, "no iflow of the RSRCN names /signs on"),
         ("source: detections", "source: frame", 17, "unknown word 'frame': did you mean frames?"),
         ("window: 2 s", "window: 99 ms", 18, "window: '99 ms' is not between 0.1 s and 60 s"),
+        ("window: 2 s", "window: 499 ms", 19, "silent_after is longer than the window"),
         ("window: 2 s", "window: 61", 18, "window: '61' is not between 0.1 s and 60 s"),
         ("500 ms", "0", 19, "silent_after: '0' is no time at all"),
         ("topic: /camera/image", "topic: /signs/image", 20, "is what /signs publishes, not what"),
@@ -168,7 +169,8 @@ def test_a_slip_is_told_with_its_line(old, new, line, fault):
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("window: 2 s", "window: 100 ms"),
+        ("window: 2 s", "window: 500 ms"),
+        ("window: 2 s\n    silent_after: 500 ms", "window: 100 ms\n    silent_after: 100 ms"),
         ("window: 2 s", "window: 60 s"),
         ("period: 20 ms", "period: 1 ms"),
         ("period: 20 ms", "period: 1 s"),

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rtron.planning import parse_plan, propose_plan, write_plan
 from rtron.planning.coherence import misfits
-from rtron.planning.expressions import expression_misfits
+from rtron.planning.expressions import expression_faults
 from rtron.risks import discover
 from rtron.vocabulary import (
     GRCN,
@@ -183,7 +183,7 @@ def missions(draw):
         block=listed(st.sampled_from(known or ["/x"]), least=1),
         when=st.sampled_from(conditions),
         frame=st.just("") | frames,
-        require=st.sampled_from(["", *names]),
+        require=st.sampled_from(["", *known, *names, *(flow.topic for flow in eflows)]),
         reason=texts,
     )
     return MSRCN(
@@ -214,7 +214,7 @@ plans = st.builds(
 
 
 def is_coherent(plan) -> bool:
-    return not any(misfits(plan)) and not any(expression_misfits(plan))
+    return not any(misfits(plan)) and not any(expression_faults(plan))
 
 
 def planned(msrcn):

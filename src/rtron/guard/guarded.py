@@ -94,7 +94,7 @@ class GuardedStream:
         limits = (policy.limit(now) for policy in self.overridable.values())
         limit = min((limit for limit in limits if limit is not None), default=None)
         if limit is not None and self.stopper.moving:
-            self.stopper.slow_down(limit)
+            self.stopper.slow_down(limit, now)
 
     def _subscribe(self, topic: str, connect: Callable[[Peer], Receive | None], type: str) -> None:
         self._transport.subscribe(self.nodes[0], topic, type, connect)
@@ -228,8 +228,8 @@ class GuardedStream:
         self._arm()
 
     def _tick(self, now: int) -> None:
-        self.stopper.tick(now)
         self._slow_down(now)
+        self.stopper.tick(now)
         try:
             self.pipeline.tick(now)
         except Exception:

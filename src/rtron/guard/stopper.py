@@ -70,12 +70,19 @@ class Stopper:
         if verdict.error and flow and flow.name == verdict.flow and flow.on_error is OnError.STOP:
             self.refuse(verdict.reason, now)
 
-    def slow_down(self, limit: float) -> None:
-        """Say again what moves the robot at no more than `limit` (m/s), if that is less."""
+    def slow_down(self, limit: float, now: int) -> None:
+        """Say again what moves the robot at no more than `limit` (m/s), if that is less.
+
+        What was released may have come to rest: it is told to rest, not set in motion again.
+        """
         velocity = self._velocity()
-        if self._codec is not None and velocity is not None and velocity.speed > limit:
-            self._last = self._codec.encode(self._last, velocity.at_most(limit))
-            self._send(self.stopped, self._last)
+        if self._codec is None or velocity is None or velocity.speed <= limit:
+            return
+        if self._stopping.released:
+            self.refuse(f"the limit has fallen to {limit:g} m/s", now)
+            return
+        self._last = self._codec.encode(self._last, velocity.at_most(limit))
+        self._send(self.stopped, self._last)
 
     def refuse(self, why: str, now: int) -> None:
         """Stop the robot: what moves it may not go on."""

@@ -6,7 +6,6 @@ from rtron.errors import InputError
 from rtron.messages.condition import Condition
 from rtron.messages.definitions import Definitions
 from rtron.messages.judge import check_expression
-from rtron.planning.coherence import Misfit
 from rtron.planning.coherence.contradictions import contradictions
 from rtron.planning.coherence.msrcn import (
     MOST_EFLOWS,
@@ -14,11 +13,15 @@ from rtron.planning.coherence.msrcn import (
     MOST_RULES,
     blocked_types,
 )
+from rtron.planning.coherence.obligations import self_met
 from rtron.planning.problem import Level
 from rtron.vocabulary import MSRCN, EventFlow, MessageDefinition, Plan, Rule
 
+Fault = tuple[object, str, InputError]
+"""A noun, its key, and what is wrong with it; the error's help says what to do about it."""
 
-def expression_misfits(plan: Plan) -> Iterator[Misfit]:
+
+def expression_faults(plan: Plan) -> Iterator[Fault]:
     """Yield what is wrong with message definitions, expressions, and the rules as a whole."""
     definitions = Definitions(plan.messages, ros=plan.ros)
     for message in plan.messages:
@@ -29,11 +32,7 @@ def expression_misfits(plan: Plan) -> Iterator[Misfit]:
         yield from _event(flow, plan.msrcn, definitions)
     for rule in plan.msrcn.rules[:MOST_RULES]:
         yield from _action(rule, plan.msrcn, definitions)
-    conditions, wrong = _conditions(plan.msrcn)
-    yield from wrong
-    for level, rule, told in contradictions(plan.msrcn, conditions):
-        if level is Level.ERROR:
-            yield rule, "when", told
+    yield from _rules(plan.msrcn)
 
 
 def doubts(msrcn: MSRCN) -> Iterator[tuple[str, str]]:
@@ -44,21 +43,35 @@ def doubts(msrcn: MSRCN) -> Iterator[tuple[str, str]]:
             yield rule.name, told
 
 
-def _definition(message: MessageDefinition, definitions: Definitions) -> Iterator[Misfit]:
+def _rules(msrcn: MSRCN) -> Iterator[Fault]:
+    conditions, wrong = _conditions(msrcn)
+    yield from wrong
+    for rule in msrcn.rules:
+        if rule.require and rule.name in conditions:
+            asked = conditions[rule.name].names
+            for noun, key, told in self_met(rule, asked, msrcn.eflows[:MOST_EFLOWS]):
+                yield noun, key, InputError(told)
+    for level, rule, told in contradictions(msrcn, conditions):
+        if level is Level.ERROR:
+            yield rule, "when", InputError(told)
+
+
+def _definition(message: MessageDefinition, definitions: Definitions) -> Iterator[Fault]:
     try:
         definitions.find(message.type)
     except InputError as error:
-        yield message, "definition", _told(error)
+        yield message, "definition", error
 
 
-def _event(flow: EventFlow, msrcn: MSRCN, definitions: Definitions) -> Iterator[Misfit]:
+def _event(flow: EventFlow, msrcn: MSRCN, definitions: Definitions) -> Iterator[Fault]:
     if flow.type:
         yield from _expression(flow, "when", flow.type, msrcn, definitions)
     else:
-        yield flow, "when", "the type is needed to check the expression: give the eflow's `type`"
+        told = "the type is needed to check the expression"
+        yield flow, "when", InputError(told, help="give the eflow's `type`")
 
 
-def _action(rule: Rule, msrcn: MSRCN, definitions: Definitions) -> Iterator[Misfit]:
+def _action(rule: Rule, msrcn: MSRCN, definitions: Definitions) -> Iterator[Fault]:
     types = blocked_types(rule, msrcn) if rule.action else set()
     if len(types) == 1 and types != {""}:
         yield from _expression(rule, "action", types.pop(), msrcn, definitions)
@@ -66,31 +79,32 @@ def _action(rule: Rule, msrcn: MSRCN, definitions: Definitions) -> Iterator[Misf
 
 def _expression(
     noun: EventFlow | Rule, key: str, message_type: str, msrcn: MSRCN, definitions: Definitions
-) -> Iterator[Misfit]:
+) -> Iterator[Fault]:
     try:
         definition = definitions.find(message_type)
     except InputError:
         return  # it is the plan's own, and told there
     if definition is None:
         help = f"add it under `messages`, as `rosmsg show -r {message_type}` prints it"
-        yield noun, key, f"{key}: RTron does not know the type {message_type}: {help}"
+        told = f"{key}: RTron does not know the type {message_type}"
+        yield noun, key, InputError(told, help=help)
         return
     text, subject = (noun.when, "event") if isinstance(noun, EventFlow) else (noun.action, key)
     try:
         check_expression(definition, text, subject, msrcn.areas, frame=noun.frame)
     except InputError as error:
-        yield noun, key, f"{key}: {_told(error)}"
+        yield noun, key, _under(key, error)
 
 
-def _conditions(msrcn: MSRCN) -> tuple[dict[str, Condition], list[Misfit]]:
+def _conditions(msrcn: MSRCN) -> tuple[dict[str, Condition], list[Fault]]:
     """Return the conditions of the rules by name, and what is wrong with the others."""
     names = [flow.name for flow in msrcn.eflows[:MOST_EFLOWS]]
     found: dict[str, Condition] = {}
-    wrong: list[Misfit] = []
+    wrong: list[Fault] = []
     for rule in msrcn.rules[:MOST_RULES]:
         condition = _condition(rule, names)
         if isinstance(condition, InputError):
-            wrong.append((rule, "when", f"when: {_told(condition)}"))
+            wrong.append((rule, "when", _under("when", condition)))
         else:
             found[rule.name] = condition
     return found, wrong
@@ -103,5 +117,6 @@ def _condition(rule: Rule, names: Sequence[str]) -> Condition | InputError:
         return error
 
 
-def _told(error: InputError) -> str:
-    return f"{error} ({error.help})" if error.help else str(error)
+def _under(key: str, error: InputError) -> InputError:
+    """Return an error that names the key which holds the expression, with its own help."""
+    return InputError(f"{key}: {error}", help=error.help)

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from rtron.planning.coherence import Misfit, misfits
+from rtron.errors import InputError
+from rtron.planning.coherence import misfits
 from rtron.planning.faults import Faults
 from rtron.planning.reader import Reader
 from rtron.planning.yaml_text import compose, read_text
@@ -20,8 +21,10 @@ def parse_plan(text: str, path: str = "rtron.yaml") -> Plan:
     faults = Faults(path)
     reader = Reader(faults)
     plan = reader.noun(compose(text, path), Plan) or Plan(app="")
-    for noun, key, message in (*misfits(plan), *_expression_misfits(plan)):
+    for noun, key, message in misfits(plan):
         faults.add(reader.line(noun, key), message)
+    for noun, key, error in _expression_faults(plan):
+        faults.add(reader.line(noun, key), str(error), error.help)
     faults.raise_if_any()
     return plan
 
@@ -33,9 +36,9 @@ def has_expressions(plan: Plan) -> bool:
     return bool(plan.messages or rules or any(flow.when for flow in events))
 
 
-def _expression_misfits(plan: Plan) -> Iterable[Misfit]:
+def _expression_faults(plan: Plan) -> Iterable[tuple[object, str, InputError]]:
     if not has_expressions(plan):
         return ()
-    from rtron.planning.expressions import expression_misfits  # noqa: PLC0415 - seldom needed
+    from rtron.planning.expressions import expression_faults  # noqa: PLC0415 - seldom needed
 
-    return expression_misfits(plan)
+    return expression_faults(plan)

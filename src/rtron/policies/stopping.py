@@ -98,6 +98,11 @@ class Stopping:
         return self._flow.name
 
     @property
+    def released(self) -> bool:
+        """Whether the flow that moved the robot is silent, which is allowed."""
+        return self._machine.state is State.RELEASED
+
+    @property
     def flow(self) -> Flow | None:
         """The flow that moves the robot, or may still do so; None while none does."""
         return self._flow if self._machine.state in (State.MOVING, State.RELEASED) else None
@@ -112,7 +117,7 @@ class Stopping:
 
         What was released may have come to rest by itself: a ramp would set it in motion again.
         """
-        released = self._machine.state is State.RELEASED
+        released = self.released
         if self._machine.step(Input.REFUSED) is Effect.STOP:
             self._begin(why, now, ramped=not released)
 

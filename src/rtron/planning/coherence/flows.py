@@ -40,6 +40,7 @@ def guarded_misfits(
     yield from flow_names([*(flow for topic in topics for flow in topic.flows), *watched])
     for topic in topics:
         yield from publishers(topic.flows)
+        yield from successors(topic)
 
 
 def policy_misfit(
@@ -71,6 +72,12 @@ def publishers(flows: Sequence[Flow]) -> Iterator[Misfit]:
         if pattern.publisher != flow.publisher and names_node(pattern.publisher, flow.publisher):
             both = f"{pattern.name} ({pattern.publisher}) too"
             yield flow, "publisher", f"{flow.publisher} belongs to {both}"
+
+
+def successors(noun: GRCN | GuardedTopic) -> Iterator[Misfit]:
+    """Refuse more successors than can be compared with each other."""
+    if len(noun.successors) > MOST_FLOWS:
+        yield noun, "successors", f"more than {MOST_FLOWS} successors of one topic"
 
 
 def priorities(flows: Sequence[Flow], policy: PolicyName) -> Iterator[Misfit]:

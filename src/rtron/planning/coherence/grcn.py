@@ -4,11 +4,13 @@ from collections.abc import Iterator
 from itertools import product
 
 from rtron.planning.coherence.flows import (
+    MOST_FLOWS,
     Misfit,
     flow_names,
     policy_misfit,
     priorities,
     publishers,
+    successors,
 )
 from rtron.vocabulary import GRCN, PolicyName, Sharing, names_node
 
@@ -26,6 +28,7 @@ def grcn_misfits(grcn: GRCN) -> Iterator[Misfit]:
     yield from policy_misfit(grcn, "a GRCN", grcn.policy, POLICIES)
     yield from flow_names(grcn.flows)
     yield from publishers(grcn.flows)
+    yield from successors(grcn)
     yield from _shared_names(grcn)
     if grcn.policy in RANKED:
         yield from priorities(grcn.flows, grcn.policy)
@@ -38,7 +41,7 @@ def grcn_misfits(grcn: GRCN) -> Iterator[Misfit]:
 
 def _shared_names(grcn: GRCN) -> Iterator[Misfit]:
     """Refuse a successor behind a pattern: it would hear its namesakes past the guard."""
-    for flow, node in product(grcn.flows, grcn.successors):
+    for flow, node in product(grcn.flows, grcn.successors[:MOST_FLOWS]):
         if "*" in flow.publisher + node and _overlap(flow.publisher, node):
             why = f"{flow.publisher} and the successor {node} may be one node"
             yield flow, "publisher", f"{why}: give it a flow under its full name"

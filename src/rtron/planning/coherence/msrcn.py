@@ -5,6 +5,7 @@ from itertools import chain, islice
 
 from rtron.planning.coherence.areas import polygon_misfit
 from rtron.planning.coherence.flows import Misfit, guarded_misfits, policy_misfit, repeated
+from rtron.planning.coherence.obligations import required_misfits
 from rtron.planning.faults import suggestion
 from rtron.vocabulary import MSRCN, Area, EventFlow, PolicyName, Rule, Transform, normalise_type
 
@@ -84,9 +85,12 @@ def _rules(msrcn: MSRCN) -> Iterator[Misfit]:
         yield msrcn.rules[MOST_RULES], "", f"more than {MOST_RULES} rules"
     actions = flows_by_name(msrcn)
     eflows = msrcn.eflows[:MOST_EFLOWS]
-    events = {name for flow in eflows for name in (flow.name, flow.topic)}
     found = (
-        chain(_blocked(rule, actions), _required(rule, actions, events), _one_type(rule, msrcn))
+        chain(
+            _blocked(rule, actions),
+            required_misfits(rule, actions, eflows),
+            _one_type(rule, msrcn),
+        )
         for rule in msrcn.rules[:MOST_RULES]
     )
     yield from islice(chain.from_iterable(found), _MOST_TOLD)
@@ -113,21 +117,6 @@ def blocked_types(rule: Rule, msrcn: MSRCN) -> set[str]:
         for topic in msrcn.aflows
         if topic.topic in rule.block or any(flow.name in rule.block for flow in topic.flows)
     }
-
-
-def _required(
-    rule: Rule, actions: Mapping[str, frozenset[str]], events: Collection[str]
-) -> Iterator[Misfit]:
-    name = rule.require
-    if not name:
-        return
-    if name not in actions and name not in events:
-        near = _near(name, [*actions, *events])
-        yield rule, "require", f"no flow or topic {name} in the MSRCN: {near}"
-    blocked = frozenset[str]().union(*(actions.get(other, ()) for other in rule.block))
-    needed = actions.get(name)
-    if name in rule.block or (needed and needed <= blocked):
-        yield rule, "require", f"the rule itself blocks {name}, so it could never end"
 
 
 def _one_type(rule: Rule, msrcn: MSRCN) -> Iterator[Misfit]:

@@ -1,0 +1,271 @@
+"""What a later coordination node on a topic says in vain is refused; what counts passes."""
+
+import time
+
+import pytest
+from autorace import AUTORACE
+from home import HOME
+
+from rtron.errors import PlanError
+from rtron.planning import parse_plan, propose_plan, write_plan
+from rtron.risks import discover
+from rtron.vocabulary import Mode, streams
+
+GRCN = """\
+grcn:
+  - topic: /cmd_vel
+    mode: {general}
+    policy: Preemption
+    type: geometry_msgs/Twist
+    flows:
+      - {{name: g1, publisher: /nav, priority: 2}}
+      - {{name: g2, publisher: {pattern}, priority: 1, silent_after: 2 s, on_silence: release}}
+    successors: [/base, /wheel_*]
+"""
+MSRCN = """\
+msrcn:
+  mode: {mission}
+  aflows:
+    - topic: /cmd_vel
+      type: geometry_msgs/Twist
+      flows:
+        - {{{aflow}}}
+      successors: [{heard}]
+"""
+RSRCN = """\
+rsrcn:
+  mode: {robot}
+  policy: Block
+  vflows:
+    - topic: /cmd_vel
+      type: geometry_msgs/Twist
+      flows:
+        - {{{vflow}}}
+      successors: [{obeyed}]
+"""
+FITS = {
+    "general": "enforce",
+    "mission": "enforce",
+    "robot": "enforce",
+    "pattern": "/teleop_*",
+    "aflow": "name: a1, publisher: /nav",
+    "vflow": "name: v1, publisher: /nav",
+    "heard": "/base",
+    "obeyed": "/base",
+}
+ALL = GRCN + MSRCN + RSRCN
+# On which line the flow and the successors stand, without and with a GRCN.
+FLOW, GRCN_LINES = 7, 9
+OF_GRCN = "GRCN grcn_cmd_vel, which is first on /cmd_vel"
+OF_MSRCN = "the MSRCN, which is first on /cmd_vel"
+
+
+def made(text: str, **changes: str) -> str:
+    return text.format_map(FITS | changes)
+
+
+def faults(text: str) -> list[str]:
+    with pytest.raises(PlanError) as caught:
+        parse_plan(text, "my.yaml")
+    return str(caught.value).splitlines()
+
+
+@pytest.mark.parametrize(
+    "text", [GRCN, MSRCN, RSRCN, GRCN + MSRCN, GRCN + RSRCN, MSRCN + RSRCN, ALL]
+)
+def test_what_says_the_same_is_one_stream(text):
+    plan = parse_plan(made(text))
+    assert parse_plan(write_plan(plan)) == plan
+    (stream,) = streams(plan)
+    assert len(stream.stages) == sum(part in text for part in (GRCN, MSRCN, RSRCN))
+
+
+@pytest.mark.parametrize(
+    "publisher", ["/nav", "/teleop_1", "/teleop_", "/teleop_*", "/teleop_1*", "/n*", "/*"]
+)
+@pytest.mark.parametrize(("key", "part"), [("aflow", MSRCN), ("vflow", RSRCN)])
+def test_a_publisher_that_a_flow_of_the_grcn_may_be(key, part, publisher):
+    assert parse_plan(made(GRCN + part, **{key: f"name: x, publisher: {publisher}"}))
+
+
+@pytest.mark.parametrize("publisher", ["/na", "/navi", "/ns/nav", "/teleop", "/Nav", "/x*", "/*_x"])
+@pytest.mark.parametrize(("key", "part"), [("aflow", MSRCN), ("vflow", RSRCN)])
+def test_a_publisher_that_the_grcn_does_not_know(key, part, publisher):
+    found = faults(made(GRCN + part, **{key: f"name: x, publisher: {publisher}"}))
+    line = GRCN_LINES + FLOW + (part is RSRCN)
+    assert found == [f"my.yaml:{line}: {publisher} has no flow in {OF_GRCN}: add one there"]
+
+
+def test_a_flow_of_the_grcn_that_the_later_node_does_not_name_is_no_fault():
+    plan = parse_plan(made(GRCN + MSRCN))
+    (stream,) = streams(plan)
+    assert [flow.name for flow in stream.flows] == ["g1", "g2"]
+    assert parse_plan(made(GRCN + MSRCN).replace("\n        - {name: a1, publisher: /nav}", " []"))
+
+
+@pytest.mark.parametrize(
+    "heard", ["", "/base", "/wheel_1", "/base, /wheel_", "/wheel_*, /wheel_1*"]
+)
+@pytest.mark.parametrize(("key", "part"), [("heard", MSRCN), ("obeyed", RSRCN)])
+def test_a_successor_that_the_grcn_has(key, part, heard):
+    assert parse_plan(made(GRCN + part, **{key: heard}))
+
+
+@pytest.mark.parametrize("heard", ["/bas", "/base_2", "/wheel", "/wheel*", "/*", "/ns/base"])
+@pytest.mark.parametrize(("key", "part"), [("heard", MSRCN), ("obeyed", RSRCN)])
+def test_a_successor_that_the_grcn_lacks(key, part, heard):
+    found = faults(made(GRCN + part, **{key: f"/base, {heard}"}))
+    line = GRCN_LINES + FLOW + (part is RSRCN) + 1
+    assert found == [f"my.yaml:{line}: {heard} is no successor of {OF_GRCN}: add it there"]
+
+
+def test_each_successor_is_told():
+    assert len(faults(made(GRCN + MSRCN, heard="/a, /base, /b"))) == 2
+
+
+@pytest.mark.parametrize(
+    ("flow", "key", "counting"),
+    [
+        ("publisher: /nav, silent_after: 499 ms", "silent_after", "g1"),
+        ("publisher: /nav, silent_after: 501 ms", "silent_after", "g1"),
+        ("publisher: /nav, on_silence: release", "on_silence", "g1"),
+        ("publisher: /nav, on_error: drop", "on_error", "g1"),
+        ("publisher: /teleop_1, silent_after: 3 s", "silent_after", "g2"),
+        ("publisher: /teleop_1, on_error: drop", "on_error", "g2"),
+        ("publisher: /teleop_*, silent_after: 1 s", "silent_after", "g2"),
+        ("publisher: '/*', silent_after: 2 s", "silent_after", "g1"),
+        ("publisher: '/*', on_silence: release", "on_silence", "g1"),
+    ],
+)
+@pytest.mark.parametrize(("which", "part"), [("aflow", MSRCN), ("vflow", RSRCN)])
+def test_a_silence_or_error_that_only_the_later_flow_speaks_of(which, part, flow, key, counting):
+    found = faults(made(GRCN + part, **{which: f"name: x, {flow}"}))
+    line = GRCN_LINES + FLOW + (part is RSRCN)
+    where = f"set it on the flow {counting} of {OF_GRCN}"
+    assert found == [f"my.yaml:{line}: {key} of x would be lost: {where}"]
+
+
+@pytest.mark.parametrize(
+    "flow",
+    [
+        "publisher: /nav, silent_after: 500 ms, on_silence: stop, on_error: stop",
+        "publisher: /teleop_1",
+        "publisher: /teleop_1, silent_after: 500 ms, on_silence: stop",
+        "publisher: /teleop_1, silent_after: 2 s, on_silence: release",
+        "publisher: '/teleop_*', silent_after: 2000 ms",
+        "publisher: /nav, block: true, priority: 9",
+    ],
+)
+@pytest.mark.parametrize(("which", "part"), [("aflow", MSRCN), ("vflow", RSRCN)])
+def test_a_default_and_what_the_grcn_says_too(which, part, flow):
+    assert parse_plan(made(GRCN + part, **{which: f"name: x, {flow}"}))
+
+
+def test_every_key_that_is_lost_is_told():
+    flow = "name: a1, publisher: /nav, silent_after: 1 s, on_silence: release, on_error: drop"
+    found = faults(made(GRCN + MSRCN, aflow=flow))
+    assert [text.split(": ")[1].split()[0] for text in found] == [
+        "on_error",
+        "on_silence",
+        "silent_after",
+    ]
+
+
+@pytest.mark.parametrize("lost", ["publisher: /other", "publisher: /nav, on_error: drop"])
+def test_without_a_grcn_the_flows_of_the_msrcn_count(lost):
+    (told,) = faults(made(MSRCN + RSRCN, vflow=f"name: v1, {lost}"))
+    assert told.startswith("my.yaml:16: ")
+    assert OF_MSRCN in told
+    assert parse_plan(made(RSRCN, vflow=f"name: v1, {lost}"))
+    assert parse_plan(made(MSRCN + RSRCN, vflow=f"name: v1, {lost}", aflow=f"name: a1, {lost}"))
+
+
+def test_without_a_grcn_the_successors_of_the_msrcn_count():
+    assert faults(made(MSRCN + RSRCN, obeyed="/wheel_1")) == [
+        f"my.yaml:17: /wheel_1 is no successor of {OF_MSRCN}: add it there"
+    ]
+
+
+def test_with_a_grcn_both_are_held_against_it_and_not_against_each_other():
+    assert parse_plan(made(ALL, vflow="name: v1, publisher: /teleop_1", obeyed="/wheel_1"))
+    other = "publisher: /other"
+    found = faults(made(ALL, aflow=f"name: a1, {other}", vflow=f"name: v1, {other}"))
+    assert [OF_GRCN in text for text in found] == [True, True]
+
+
+def test_the_order_in_the_file_does_not_matter():
+    lost = {"vflow": "name: v1, publisher: /other"}
+    assert len(faults(made(RSRCN + MSRCN, **lost))) == 1
+    assert len(faults(made(RSRCN + GRCN, **lost))) == 1
+
+
+@pytest.mark.parametrize(
+    "modes",
+    [
+        {"general": "observe"},
+        {"mission": "observe", "robot": "observe"},
+    ],
+)
+def test_what_observes_shares_nothing_with_what_enforces(modes):
+    flow = "publisher: /other, silent_after: 1 s"
+    lost = {"heard": "/other", "aflow": f"name: a1, {flow}"}
+    same = {"obeyed": "/other", "vflow": f"name: v1, {flow}"}
+    plan = parse_plan(made(ALL, **modes, **lost, **same))
+    assert {stream.mode for stream in streams(plan)} == set(Mode)
+
+
+def test_who_observes_together_shares_too():
+    modes = dict.fromkeys(("general", "mission", "robot"), "observe")
+    (told,) = faults(made(ALL, **modes, vflow="name: v1, publisher: /other"))
+    assert OF_GRCN in told
+
+
+def test_an_observing_msrcn_does_not_count_for_an_enforcing_rsrcn():
+    assert parse_plan(made(MSRCN + RSRCN, mission="observe", obeyed="/wheel_1"))
+
+
+def test_another_topic_is_another_stream():
+    text = made(GRCN) + made(MSRCN, aflow="name: a1, publisher: /x", heard="/y").replace(
+        "/cmd_vel", "/cmd_vel2"
+    )
+    assert len(streams(parse_plan(text))) == 2
+
+
+def test_a_topic_that_stands_twice_is_told_as_that_alone():
+    again = made(MSRCN) + made(MSRCN, aflow="name: a2, publisher: /x").split("aflows:\n")[1]
+    assert faults(again) == ["my.yaml:9: two entries on /cmd_vel"]
+
+
+def test_very_many_flows_are_compared_soon():
+    flows = "".join(f"        - {{name: f{n}, publisher: /n{n}}}\n" for n in range(1000))
+    text = made(MSRCN + RSRCN).replace("        - {name: a1, publisher: /nav}\n", flows)
+    assert len(faults(text)) == 1
+    more = "".join(f"        - {{name: v{n}, publisher: /n{n}}}\n" for n in range(1000))
+    assert parse_plan(text.replace("        - {name: v1, publisher: /nav}\n", more))
+
+
+@pytest.mark.parametrize(("text", "line"), [(GRCN, 9), (MSRCN, 8), (RSRCN, 9)])
+def test_a_topic_has_a_thousand_successors_at_most(text, line):
+    names = [f"/n{n}" for n in range(1001)]
+    full = made(
+        text.replace("/base, /wheel_*", "{heard}").replace("{obeyed}", "{heard}"),
+        heard=", ".join(names[:1000]),
+    )
+    assert parse_plan(full)
+    assert faults(full.replace("/n999]", "/n999, /n1000]")) == [
+        f"my.yaml:{line}: more than 1000 successors of one topic"
+    ]
+
+
+def test_very_many_successors_are_compared_soon():
+    heard, obeyed = (", ".join(f"/{who}{n}*" for n in range(30_000)) for who in "ab")
+    began = time.monotonic()
+    assert len(faults(made(MSRCN + RSRCN, heard=heard, obeyed=obeyed))) == 51
+    assert time.monotonic() - began < 20
+
+
+@pytest.mark.parametrize("graph", [HOME, AUTORACE])
+def test_what_is_proposed_shares_its_topics_without_a_loss(graph):
+    plan = propose_plan(graph, discover(graph))
+    assert parse_plan(write_plan(plan)) == plan
+    assert max(len(stream.stages) for stream in streams(plan)) > 1
