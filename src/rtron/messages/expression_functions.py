@@ -27,6 +27,7 @@ _ODD = (
     "($area.edges.filter(e, (e.y > p.y) != (e.end > p.y) &&"
     " p.x < e.x + (p.y - e.y) * e.slope).size() % 2 == 1)"
 )
+_IN_BOX = "p.x >= $area.low_x && p.x <= $area.high_x && p.y >= $area.low_y && p.y <= $area.high_y"
 _ALONG = "((p.x - e.x) * e.dx + (p.y - e.y) * e.dy) * e.inverse"
 _SQUARES = "(u.x) * (u.x) + (u.y) * (u.y)"
 _OFF = _SQUARES.replace("u.x", "p.x - e.x - t * e.dx").replace("u.y", "p.y - e.y - t * e.dy")
@@ -45,7 +46,8 @@ def _template(text: str, otherwise: str) -> Template:
 
 
 _INSIDE = _template(
-    f"[$point].exists(p, {_FINITE} ? {_ODD} || {_AWAY} <= {_NEAR} : {_REFUSED})", "true"
+    f"[$point].exists(p, {_FINITE} ? {_IN_BOX} && ({_ODD} || {_AWAY} <= {_NEAR}) : {_REFUSED})",
+    "true",
 )
 _TO_AREA = _template(
     f"[$point].map(p, {_FINITE} ? ({_ODD} ? 0.0 : [{_AWAY}].map(d, d <= {_NEAR} ? 0.0 : d)[0])"

@@ -28,6 +28,27 @@ class Edge:
     inverse: float
 
 
+@dataclass(frozen=True, slots=True)
+class Box:
+    """Where places near a polygon can lie: what is outside needs no closer look."""
+
+    low_x: float
+    high_x: float
+    low_y: float
+    high_y: float
+
+
+def box(corners: Sequence[Point]) -> Box:
+    """Return the box around a polygon, with the tolerance."""
+    xs, ys = [each.x for each in corners], [each.y for each in corners]
+    return Box(
+        low_x=min(xs) - TOLERANCE,
+        high_x=max(xs) + TOLERANCE,
+        low_y=min(ys) - TOLERANCE,
+        high_y=max(ys) + TOLERANCE,
+    )
+
+
 def edges(corners: Sequence[Point]) -> list[Edge]:
     """Return the edges of a polygon."""
     return [_edge(corners[index - 1], corner) for index, corner in enumerate(corners)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtron.errors import InputError
 from rtron.messages.definition import Definition, Field
-from rtron.messages.geometry import Edge, edges
+from rtron.messages.geometry import Box, Edge, box, edges
 from rtron.messages.protobuf_wire import KINDS, is_bytes
 from rtron.vocabulary import Area
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from google.protobuf.descriptor_pool import DescriptorPool
 
 AREA = "rtron/Area"
-"""The type of an area: its edges."""
+"""The type of an area: its edges, and the box around them."""
 _EDGE = "rtron/Edge"
 POINT = "geometry_msgs/Point"
 _POINT_FIELDS = tuple(Field(name=name, type="float64") for name in ("x", "y", "z"))
@@ -49,7 +49,7 @@ def descriptor_pool(definition: Definition) -> "DescriptorPool":
 
 def area_value(make: Any, area: Area) -> Any:  # noqa: ANN401 - a class that protobuf makes
     """Return an area as an instance of `make`, protobuf's class for `AREA`."""
-    return make(edges=[asdict(edge) for edge in edges(area.polygon)])
+    return make(edges=[asdict(edge) for edge in edges(area.polygon)], **asdict(box(area.polygon)))
 
 
 def types_of(definition: Definition) -> dict[str, Definition]:
@@ -68,11 +68,14 @@ def _collect(definition: Definition, types: dict[str, Definition]) -> None:
 
 
 def _area_files() -> "Iterator[FileDescriptorProto]":
-    numbers = [Field(name=each.name, type="float64") for each in fields(Edge)]
-    edge = Definition(type=_EDGE, fields=tuple(numbers), md5sum="")
-    edges = Field(name="edges", type=_EDGE, array=True)
+    edge = Definition(type=_EDGE, fields=_numbers(Edge), md5sum="")
+    own = (Field(name="edges", type=_EDGE, array=True), *_numbers(Box))
     yield _file(edge)
-    yield _file(Definition(type=AREA, fields=(edges,), md5sum="", nested={_EDGE: edge}))
+    yield _file(Definition(type=AREA, fields=own, md5sum="", nested={_EDGE: edge}))
+
+
+def _numbers(kind: type[Edge] | type[Box]) -> tuple[Field, ...]:
+    return tuple(Field(name=each.name, type="float64") for each in fields(kind))
 
 
 def _file(definition: Definition) -> "FileDescriptorProto":
