@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from rtron.errors import WireError
 from rtron.messages.velocity import VelocityCodec
 from rtron.policies.limiting import Limiting
-from rtron.policies.policy import Release
+from rtron.policies.policy import Immediate, Release
 from rtron.vocabulary import Decision, Velocity, Verdict
 
 
-class Decoding:
+class Decoding(Immediate):
     """Stands before a policy that limits velocities; what it cannot read is no velocity.
 
     Until `learn` has told the type of the messages, nothing can be read, and nothing passes.
@@ -44,9 +44,6 @@ class Decoding:
         """Return the policy's refusal, which does not depend on the message."""
         return self._policy.refusal(flow, now, message)
 
-    def observe_done(self, now: int) -> None:
-        """Nothing is in progress here."""
-
     def tick(self, now: int) -> Sequence[Release]:
         """Return what goes out again, as messages."""
         made = ((self._changed(each.verdict), each.restores) for each in self._policy.tick(now))
@@ -55,10 +52,6 @@ class Decoding:
     def again(self, now: int) -> None:
         """Let the policy look again at what was asked for last."""
         self._policy.again(now)
-
-    def close(self) -> Sequence[Release]:
-        """Nothing is ever held."""
-        return ()
 
     def deadline(self) -> int | None:
         """Return when the policy wants to be asked again."""

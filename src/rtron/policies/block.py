@@ -40,11 +40,9 @@ Block remembers nothing: it has one state.
 'flow2 is blocked'
 """
 
-from collections.abc import Sequence
-
 from rtron.policies.answers import Answers, Gate
 from rtron.policies.machine import Effect, Machine, Named, Table
-from rtron.policies.policy import Release
+from rtron.policies.policy import Immediate
 from rtron.vocabulary import Decision, PolicySettings, Verdict
 
 
@@ -67,7 +65,7 @@ TABLE: Table[State, Input] = {
 }
 
 
-class Block:
+class Block(Immediate):
     """A block bit for each flow."""
 
     __slots__ = ("_gate", "_machine", "_passed")
@@ -92,23 +90,3 @@ class Block:
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
         return None if flow in self._gate.flows else self._gate.refusal(flow)
-
-    def observe_done(self, now: int) -> None:
-        """Nothing is in progress here."""
-
-    def tick(self, now: int) -> Sequence[Release]:  # noqa: ARG002
-        """Nothing is ever held."""
-        return ()
-
-    def close(self) -> Sequence[Release]:
-        """Nothing is ever held."""
-        return ()
-
-    def deadline(self) -> int | None:
-        """Time changes nothing."""
-        return None
-
-    @property
-    def owner(self) -> str | None:
-        """Nobody: the flows share the output."""
-        return None

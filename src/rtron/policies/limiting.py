@@ -13,7 +13,7 @@ from typing import Protocol
 from rtron.policies.answers import Answers, Gate, check_priorities, has_output, with_priority
 from rtron.policies.freshness import Speakers
 from rtron.policies.machine import Effect, Machine, Named, Table
-from rtron.policies.policy import Release
+from rtron.policies.policy import Immediate, Release
 from rtron.vocabulary import SECOND, UNAPPROVED, Decision, PolicySettings, Velocity, Verdict
 
 REISSUE_PERIOD = SECOND // 10
@@ -89,7 +89,7 @@ class _Asked:
     sent: Velocity
 
 
-class Limiting:
+class Limiting(Immediate):
     """Changes velocities above the limit; drops what cannot be judged."""
 
     def __init__(self, settings: PolicySettings, limits: Limits) -> None:
@@ -131,9 +131,6 @@ class Limiting:
         """Return the speed (m/s) that is not to be exceeded at `now`."""
         return self._limits.at(now).speed
 
-    def observe_done(self, now: int) -> None:
-        """Nothing is in progress here."""
-
     def tick(self, now: int) -> Sequence[Release]:
         """Let what was asked for last go out again if the limit has changed."""
         self._now = now
@@ -156,10 +153,6 @@ class Limiting:
         if self._asked:
             self._asked.sent = self._asked.wanted
             self._due = now
-
-    def close(self) -> Sequence[Release]:
-        """Nothing is ever held."""
-        return ()
 
     def deadline(self) -> int | None:
         """Return when to look at a changing limit again."""

@@ -64,3 +64,29 @@ class Policy(Protocol):
     def owner(self) -> str | None:
         """The flow that has the output, or None while it is free."""
         ...
+
+
+class Immediate:
+    """What a policy says that decides at once: it holds nothing, and time changes nothing."""
+
+    __slots__ = ()
+
+    def observe_done(self, now: int) -> None:
+        """Nothing is in progress here."""
+
+    def tick(self, now: int) -> Sequence[Release]:  # noqa: ARG002
+        """Nothing is ever held."""
+        return ()
+
+    def close(self) -> Sequence[Release]:
+        """Nothing is ever held."""
+        return ()
+
+    def deadline(self) -> int | None:
+        """Time changes nothing."""
+        return None
+
+    @property
+    def owner(self) -> str | None:
+        """Nobody: the flows share the output."""
+        return None

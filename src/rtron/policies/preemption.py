@@ -56,7 +56,7 @@ from collections.abc import Sequence
 from rtron.policies.answers import Answers, Gate, check_priorities, has_output, with_priority
 from rtron.policies.freshness import Speaker, Speakers
 from rtron.policies.machine import Effect, Machine, Named, Table
-from rtron.policies.policy import Release
+from rtron.policies.policy import Immediate, Release
 from rtron.vocabulary import Decision, PolicySettings, Verdict
 
 
@@ -91,7 +91,7 @@ TABLE: Table[State, Input] = {
 }
 
 
-class Preemption:
+class Preemption(Immediate):
     """The highest fresh flow passes, the others are dropped."""
 
     __slots__ = ("_drop", "_gate", "_machine", "_owner", "_pass", "_reasons", "_speakers")
@@ -122,17 +122,10 @@ class Preemption:
         """Return the refusal of a flow that is blocked or unknown."""
         return None if flow in self._gate.flows else self._gate.refusal(flow)
 
-    def observe_done(self, now: int) -> None:
-        """Nothing is in progress here: a flow gives up the output by silence alone."""
-
     def tick(self, now: int) -> Sequence[Release]:
         """Find the owner at `now`; nothing is ever held."""
         self._owner = self._speakers.highest(now)
         self._machine.step(Input.SILENT if self._owner is None else Input.FRESH)
-        return ()
-
-    def close(self) -> Sequence[Release]:
-        """Nothing is ever held."""
         return ()
 
     def deadline(self) -> int | None:

@@ -1,10 +1,10 @@
 """Block in an MSRCN: an aflow passes unless a block bit or a rule of the mission forbids it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 from rtron.policies.answers import Answers, Gate
 from rtron.policies.mission import Mission, Standing
-from rtron.policies.policy import Release
+from rtron.policies.policy import Immediate
 from rtron.vocabulary import Decision, PolicySettings, Verdict
 
 Judgement = bool | str
@@ -13,7 +13,7 @@ Judge = Callable[[object], Mapping[str, Judgement]]
 """Judges a message by the `action` of each rule, by the rule's name."""
 
 
-class RuleBlock:
+class RuleBlock(Immediate):
     """The rules that concern one topic; `judge` looks into its messages where a rule asks.
 
     A message is looked into once, however many rules ask and however often.
@@ -60,26 +60,6 @@ class RuleBlock:
         for standing in self._rules[flow]:
             if standing.blocks and (found := self._found(standing, message)) is not False:
                 return self._dropped(flow, standing, found)
-        return None
-
-    def observe_done(self, now: int) -> None:
-        """Nothing is in progress here."""
-
-    def tick(self, now: int) -> Sequence[Release]:  # noqa: ARG002
-        """Nothing is ever held."""
-        return ()
-
-    def close(self) -> Sequence[Release]:
-        """Nothing is ever held."""
-        return ()
-
-    def deadline(self) -> int | None:
-        """Time changes nothing here: the mission knows when it is to be asked again."""
-        return None
-
-    @property
-    def owner(self) -> str | None:
-        """Nobody: the flows share the output."""
         return None
 
     def _found(self, standing: Standing, message: object) -> Judgement:
