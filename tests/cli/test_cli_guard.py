@@ -4,7 +4,7 @@ from types import ModuleType
 
 import pytest
 
-STARTED = ("small", "http://localhost:11311", False, "rtron-small.sock")
+STARTED = ("small", "http://localhost:11311", False, None)
 
 
 @pytest.fixture
@@ -14,7 +14,7 @@ def guarded(monkeypatch):
     module = ModuleType("rtron.guard.run")
 
     def run_guard(plan, master_uri, *, dry_run, control):
-        calls.append((plan.app, master_uri, dry_run, control.name))
+        calls.append((plan.app, master_uri, dry_run, control))
         return 0
 
     module.run_guard = run_guard
@@ -31,12 +31,12 @@ def test_what_roslaunch_appends_is_accepted(rtron, plan_file, guarded):
 
 def test_the_master_and_the_log_level_are_handed_on(rtron, plan_file, guarded):
     rtron("guard", "--plan", plan_file, "--master", "http://m:1", "--log-level", "debug")
-    assert guarded == ["DEBUG", ("small", "http://m:1", False, "rtron-small.sock")]
+    assert guarded == ["DEBUG", ("small", "http://m:1", False, None)]
 
 
 def test_a_dry_run_and_another_door_are_handed_on(rtron, plan_file, guarded, tmp_path):
     rtron("guard", "--plan", plan_file, "--dry-run", "--control", tmp_path / "door.sock")
-    assert guarded[1][2:] == (True, "door.sock")
+    assert guarded[1][2:] == (True, tmp_path / "door.sock")
 
 
 def test_anything_else_is_2(rtron, plan_file, guarded, tmp_path):

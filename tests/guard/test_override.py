@@ -13,6 +13,7 @@ from test_guarded_limits import MAX_VEL, NAV, OUT, VELOCITY, guarded, plan
 from velocities import FLOAT64, float64, floats, speeds, twist
 
 from rtron.errors import SourceError, WireError
+from rtron.guard import run
 from rtron.guard.control import Control, control_path
 from rtron.guard.overriding import LONGEST, Overriding
 from rtron.guard.transport.ros1.loop import Loop
@@ -293,8 +294,22 @@ def test_a_guard_tells_where_it_listens(open_door, caplog):
     assert caplog.messages == [f"listening for overrides at {path}"]
 
 
-def test_the_door_of_an_app_lies_in_the_user_s_own_folder(monkeypatch):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", "/run/user/1000")
-    assert str(control_path("my app/../x")) == "/run/user/1000/rtron-my_app____x.sock"
+def test_the_door_of_an_app_lies_in_the_user_s_own_folder(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    assert control_path("my app/../x") == tmp_path / "rtron-my_app____x.sock"
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path / "gone"))
+    assert control_path("").parent.name == f"rtron-{os.getuid()}"
     monkeypatch.delenv("XDG_RUNTIME_DIR")
     assert control_path("").parent.name == f"rtron-{os.getuid()}"
+
+
+def test_a_guard_whose_door_cannot_be_opened_guards_without_one(monkeypatch, tmp_path, caplog):
+    open_to_all = tmp_path / "open"
+    open_to_all.mkdir(mode=0o755)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(open_to_all))
+    loop, small = Loop(), plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2)
+    assert run._door(loop, small, None, lambda who, request: {}) is None
+    assert "no overrides" in caplog.text
+    with pytest.raises(SourceError):
+        run._door(loop, small, open_to_all / "guard.sock", lambda who, request: {})
+    loop.close()

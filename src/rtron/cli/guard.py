@@ -53,11 +53,8 @@ def guard(
 
     Exit code: 0 stopped, 2 bad plan.
     """
-    from rtron.guard.control import control_path  # noqa: PLC0415 - no other command needs a guard
-    from rtron.guard.run import run_guard  # noqa: PLC0415 - likewise
+    from rtron.guard.run import run_guard  # noqa: PLC0415 - no other command needs a guard
 
     assignments(appended or ())
     logging.basicConfig(level=log_level.value.upper(), format="%(levelname)s %(message)s")
-    wanted = read_plan(plan)
-    door = control or control_path(wanted.app)
-    return Outcome("", run_guard(wanted, master, dry_run=dry_run, control=door))
+    return Outcome("", run_guard(read_plan(plan), master, dry_run=dry_run, control=control))

@@ -100,7 +100,8 @@ class _Caller:
 def control_path(app: str) -> Path:
     """Return where the guard of an app listens: in the user's own runtime folder."""
     # The folder is checked before it is used.
-    runtime = os.environ.get("XDG_RUNTIME_DIR") or f"/tmp/rtron-{os.getuid()}"  # noqa: S108
+    named = os.environ.get("XDG_RUNTIME_DIR", "")
+    runtime = named if named and Path(named).is_dir() else f"/tmp/rtron-{os.getuid()}"  # noqa: S108
     name = "".join(each if each.isalnum() else "_" for each in app) or "app"
     return Path(runtime) / f"rtron-{name[:64]}.sock"
 

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from rtron.errors import SourceError
-from rtron.guard.control import Control
+from rtron.guard.control import Answer, Control, control_path
 from rtron.guard.host import Host
 from rtron.guard.overriding import Overriding
 from rtron.guard.senses import senses_of
@@ -27,8 +27,8 @@ def run_guard(
     """Guard a plan's streams on the ROS 1 master at `master`; return the exit code.
 
     A dry run lets everything pass and reports what would have become of it. `control` is where
-    the guard listens for overrides. SourceError if the plan is for ROS 2, whose transport is not
-    there yet, or if `control` cannot be used.
+    the guard listens for overrides, by default in the user's runtime folder. SourceError if the
+    plan is for ROS 2, whose transport is not there yet, or if `control` cannot be used.
     """
     if plan.ros != 1:
         raise SourceError("this guard speaks ROS 1 only", help="the plan says `ros: 2`")
@@ -36,12 +36,23 @@ def run_guard(
     loop = Loop()
     transport = Ros1Transport(loop, master)
     host = Host(transport, streams(plan), senses_of(plan), dry_run=dry_run)
-    door = Control(loop, control, Overriding(host, transport).answer) if control else None
+    door = _door(loop, plan, control, Overriding(host, transport).answer)
     run_host(host, transport, loop)
     if door:
         door.close()
     loop.close()
     return 0
+
+
+def _door(loop: Loop, plan: Plan, control: Path | None, answer: Answer) -> Control | None:
+    """Open the door for overrides; where nobody chose it, the robot is guarded without one too."""
+    try:
+        return Control(loop, control or control_path(plan.app), answer)
+    except SourceError as error:
+        if control:
+            raise
+        log.warning("no overrides: %s", error)
+        return None
 
 
 def run_host(host: Host, transport: Ros1Transport, loop: Loop) -> None:
