@@ -701,3 +701,13 @@ def test_every_kind_of_stream_can_be_limited():
             build(settings(PolicyName.CONSTRAIN, kind)).verdict(LOW, Velocity((9.0,)), 0).decision
             is MODIFY
         )
+
+
+def test_only_what_rises_again_restores():
+    policy = limiting(0.5, reissues=True)
+    policy.verdict(LOW, Velocity((1.0,)), 0)
+    policy._limits.speed = 0.25
+    (fallen,) = policy.tick(REISSUE_PERIOD)
+    policy._limits.speed = 0.75
+    (risen,) = policy.tick(2 * REISSUE_PERIOD)
+    assert (fallen.restores, risen.restores) == (False, True)

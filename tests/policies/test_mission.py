@@ -1,5 +1,7 @@
 """The rules of a mission: what holds, what is met, and who is told."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -378,3 +380,58 @@ def test_nobody_need_listen():
     made = Mission(Bits([event("a")]), [(rule(), Asked("a"))])
     say(made, 0, a=False)
     assert not made.standings["alarm"].blocks
+
+
+def test_what_is_required_stays_owed_after_the_rule_ceases_to_hold():
+    made, alarm, _ = one(require="/alert")
+    say(made, 0, a=True)
+    say(made, 1, a=False)
+    assert (alarm.blocks, alarm.holds, alarm.owed) == (True, False, True)
+    made.meet(["alarm"])
+    assert (alarm.blocks, alarm.owed) == (False, False)
+
+
+def test_where_nothing_is_required_nothing_is_owed():
+    made, alarm, _ = one()
+    say(made, 0, a=True)
+    say(made, 1, a=False)
+    assert (alarm.blocks, alarm.owed) == (False, False)
+
+
+def test_it_is_owed_again_each_time_the_rule_begins_to_hold():
+    made, alarm, _ = one(require="/alert")
+    for now in (0, 2):
+        say(made, now, a=True)
+        assert alarm.blocks
+        made.meet(["alarm"])
+        say(made, now + 1, a=False)
+        assert not alarm.blocks
+
+
+def test_what_was_met_stays_met_while_the_rule_goes_on_to_hold():
+    made, alarm, _ = one(written("a || b"), require="/alert")
+    say(made, 0, a=True)
+    made.meet(["alarm"])
+    say(made, 1, a=True)
+    assert not alarm.blocks
+
+
+def test_what_nobody_knows_is_named_only_while_it_matters():
+    made = Mission(Bits(EVENTS), [(rule(), written("a && b"))])
+    alarm = made.standings["alarm"]
+    assert alarm.unknown == ("a", "b")
+    say(made, 0, a=False)
+    assert alarm.unknown == ()
+    say(made, 1, a=True)
+    assert alarm.unknown == ("b",)
+
+
+def test_an_event_of_the_topic_that_is_required_meets_it():
+    call = replace(event("call"), topic="/phone")
+    made = Mission(Bits([event("a"), call]), [(rule(require="/phone"), Asked("a"))])
+    alarm = made.standings["alarm"]
+    say(made, 0, a=True)
+    say(made, 1, call=False)
+    assert alarm.blocks
+    say(made, 2, call=True)
+    assert not alarm.blocks
