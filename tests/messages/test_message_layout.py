@@ -88,7 +88,7 @@ def test_fuzz_mutated(kind, seed, data):
         message[:4] = struct.pack("<I", max(0, len(message) - 4))
     for wanted in (None, ()):
         with suppress(WireError):
-            read(definition, encoding, bytes(message), wanted)
+            assert read(definition, encoding, bytes(message), wanted) is not None
 
 
 @given(kind=st.sampled_from(KINDS), body=st.binary(max_size=100))
@@ -96,7 +96,7 @@ def test_fuzz_random(kind, body):
     encoding, type = kind
     front = b"\0\1\0\0" if encoding is Encoding.CDR else struct.pack("<I", len(body))
     try:
-        read(DEFINITIONS[encoding].find(type), encoding, front + body)
+        assert read(DEFINITIONS[encoding].find(type), encoding, front + body) is not None
     except WireError:
         return
 
