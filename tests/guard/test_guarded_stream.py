@@ -6,11 +6,19 @@ import pytest
 from streams import FLOWS, TWIST, peer, stage, stream
 from velocities import twist
 
-from rtron.guard.host import GUARD_NODE, Host
+from rtron.guard.host import Host
 from rtron.guard.transport.memory import MemoryTransport
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.transport import TypeInfo
-from rtron.vocabulary import SECOND, CoordinationKind, Flow, Mode, PolicyName, StreamKind
+from rtron.vocabulary import (
+    GUARD_NODE,
+    SECOND,
+    CoordinationKind,
+    Flow,
+    Mode,
+    PolicyName,
+    StreamKind,
+)
 
 OUT, NAV, TELEOP = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/flow2"
 TENTH = SECOND // 10

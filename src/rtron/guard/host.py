@@ -21,11 +21,10 @@ from rtron.guard.statuses import active_text, statuses
 from rtron.guard.transport.transport import Output, Transport
 from rtron.guard.watching import Watching, Ways
 from rtron.policies.mission import Standing
-from rtron.vocabulary import PRIVATE_ROOT, SECOND, Mode, Stream, flow_topic
+from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SECOND, Mode, Stream, flow_topic
 
 log = logging.getLogger(__name__)
 
-GUARD_NODE = "/rtron_guard"
 _FPS_PERIOD = SECOND // 10
 
 

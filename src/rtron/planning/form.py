@@ -26,6 +26,7 @@ from rtron.vocabulary import (
     RSRCN,
     SECOND,
     Area,
+    Audit,
     EventFlow,
     Flow,
     FpsMonitor,
@@ -112,6 +113,7 @@ _DURATIONS = {
     "silent": _LASTS_A_WHILE,
     "window": (SECOND // 10, 60 * SECOND),
     "period": (SECOND // 1000, SECOND),
+    "Audit.period": (SECOND // 100, SECOND // 10),
     "repeat": _LASTS,
 }
 _RANGES = {
@@ -153,6 +155,7 @@ NOUNS: Mapping[type, str] = {
     Transform: "a transform",
     FpsMonitor: "an fps_monitor",
     Stop: "the stop",
+    Audit: "the audit",
     MessageDefinition: "a message definition",
 }
 

@@ -1,5 +1,7 @@
 """The nouns of RTron: frozen dataclasses and closed sets of words. Imports nothing of ours."""
 
+from rtron.vocabulary.action import ANSWERED, ASKED, SERVER, ActionPart, action_of, part_topic
+from rtron.vocabulary.alarm import Alarm, AlarmKind
 from rtron.vocabulary.enums import (
     ActionRole,
     CoordinationKind,
@@ -12,6 +14,7 @@ from rtron.vocabulary.enums import (
     FunctionType,
     Mode,
     OnError,
+    OnForeign,
     OnSilence,
     PolicyName,
     RecognitionSubfunction,
@@ -40,7 +43,9 @@ from rtron.vocabulary.graph import (
 )
 from rtron.vocabulary.launch import LaunchFile, LaunchInclude, LaunchNode, LaunchTree, Remap
 from rtron.vocabulary.names import (
+    GUARD_NODE,
     PRIVATE_ROOT,
+    SUPERVISOR_NODE,
     flow_topic,
     names_node,
     normalise_type,
@@ -56,6 +61,7 @@ from rtron.vocabulary.plan import (
     SECOND,
     UNAPPROVED,
     Area,
+    Audit,
     EventFlow,
     Flow,
     FpsMonitor,
@@ -68,6 +74,7 @@ from rtron.vocabulary.plan import (
     Transform,
     WatchedFlow,
 )
+from rtron.vocabulary.planned import PlannedTopic, planned_topics, stage_nodes
 from rtron.vocabulary.replay import REPLAY_SCHEMA, Change, FlowCount, Replay, StreamCount
 from rtron.vocabulary.risk import (
     RISKS_SCHEMA,
@@ -82,8 +89,11 @@ from rtron.vocabulary.velocity import Velocity
 from rtron.vocabulary.verdict import Verdict
 
 __all__ = [
+    "ANSWERED",
+    "ASKED",
     "GRAPH_SCHEMA",
     "GRCN",
+    "GUARD_NODE",
     "MSRCN",
     "PLAN_SCHEMA",
     "PRIVATE_ROOT",
@@ -91,10 +101,16 @@ __all__ = [
     "RISKS_SCHEMA",
     "RSRCN",
     "SECOND",
+    "SERVER",
+    "SUPERVISOR_NODE",
     "UNAPPROVED",
     "Action",
+    "ActionPart",
     "ActionRole",
+    "Alarm",
+    "AlarmKind",
     "Area",
+    "Audit",
     "Change",
     "CoordinationCount",
     "CoordinationKind",
@@ -121,11 +137,13 @@ __all__ = [
     "Mode",
     "Node",
     "OnError",
+    "OnForeign",
     "OnSilence",
     "Parameter",
     "ParameterValue",
     "Parameters",
     "Plan",
+    "PlannedTopic",
     "Point",
     "PolicyName",
     "PolicySettings",
@@ -160,10 +178,14 @@ __all__ = [
     "WatchedFlow",
     "WhenUnknown",
     "Word",
+    "action_of",
     "flow_topic",
     "names_node",
     "normalise_type",
     "output_topic",
+    "part_topic",
+    "planned_topics",
+    "stage_nodes",
     "streams",
     "without_stamp",
 ]

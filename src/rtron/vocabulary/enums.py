@@ -176,6 +176,13 @@ class OnSilence(Word):
     RELEASE = "release"
 
 
+class OnForeign(Word):
+    """What the guard does when a node that the plan does not name speaks to a guarded one."""
+
+    STOP = "stop"
+    ALARM = "alarm"
+
+
 class OnError(Word):
     """What the guard does about a message that it cannot judge: it never passes."""
 

@@ -3,6 +3,8 @@
 from fnmatch import fnmatchcase
 
 PRIVATE_ROOT = "/rtron"
+GUARD_NODE = "/rtron_guard"
+SUPERVISOR_NODE = "/rtron_supervisor"
 
 
 def normalise_type(message_type: str) -> str:

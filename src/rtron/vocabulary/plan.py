@@ -11,6 +11,7 @@ from rtron.vocabulary.enums import (
     FrameSource,
     Mode,
     OnError,
+    OnForeign,
     OnSilence,
     PolicyName,
     Sharing,
@@ -226,6 +227,18 @@ class Stop:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Audit:
+    """How the guard watches that it is really in the way (design section 4).
+
+    Every `period` (ns) each guarded node is asked who speaks to it. `on_foreign`: somebody does
+    whom the plan does not name there.
+    """
+
+    period: int = SECOND // 15
+    on_foreign: OnForeign = OnForeign.STOP
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MessageDefinition:
     """A message type that RTron does not know: its definition, as `rosmsg show -r` writes it.
 
@@ -252,5 +265,6 @@ class Plan:
     msrcn: MSRCN | None = None
     fps_monitor: tuple[FpsMonitor, ...] = ()
     stop: Stop = Stop()
+    audit: Audit = Audit()
     messages: tuple[MessageDefinition, ...] = ()
     accept_unenforceable: tuple[str, ...] = ()

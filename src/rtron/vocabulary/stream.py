@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from rtron.vocabulary.action import action_of
 from rtron.vocabulary.enums import CoordinationKind, Mode, PolicyName, StreamKind
 from rtron.vocabulary.plan import SECOND, Flow, Stop
 
@@ -59,3 +60,8 @@ class Stream:
     done: str | None = None
     block_unapproved: bool = True
     stop: Stop = Stop()  # noqa: RUF009 - frozen
+
+    @property
+    def action(self) -> str:
+        """The action whose goals these are, all five topics of which move together; or nothing."""
+        return action_of(self.topic, self.type)

@@ -8,7 +8,8 @@ the prefix does not run what it prefixes.
 import shlex
 from collections.abc import Sequence
 
-GUARD_NODE = "rtron_guard"
+from rtron.vocabulary import GUARD_NODE
+
 SCRIPT = "guard"
 PLAN = "rtron.yaml"
 
@@ -22,7 +23,7 @@ def guard_element(folder: str) -> tuple[str, ...]:
     return (
         f"<!-- The guard. rosout is only the package that roslaunch always finds: {SCRIPT} does",
         "     not run it. -->",
-        f'<node pkg="rosout" type="rosout" name="{GUARD_NODE}" ns="/" {prefix}',
+        f'<node pkg="rosout" type="rosout" name="{GUARD_NODE.strip("/")}" ns="/" {prefix}',
         '      respawn="true" output="screen"/>',
     )
 

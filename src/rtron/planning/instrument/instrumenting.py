@@ -10,7 +10,6 @@ from rtron.errors import InputError
 from rtron.planning.instrument.copies import Copies
 from rtron.planning.instrument.findings import Findings
 from rtron.planning.instrument.guard_files import (
-    GUARD_NODE,
     PLAN,
     SCRIPT,
     guard_element,
@@ -21,7 +20,7 @@ from rtron.planning.instrument.overlay_files import overlay_files
 from rtron.planning.instrument.reachable import reachable
 from rtron.planning.instrument.started import Started, whole_app
 from rtron.planning.instrument.wiring import enforced_streams, wire
-from rtron.vocabulary import LaunchTree, Plan
+from rtron.vocabulary import GUARD_NODE, LaunchTree, Plan
 
 GUARD_COMMAND = (sys.executable, "-m", "rtron", "guard")
 
@@ -83,6 +82,6 @@ def _check_out(tree: LaunchTree, out: Path, folder: Path) -> None:
         if path == out.resolve() or folder.resolve() in path.parents:
             help = "write the guarded launch to another place"
             raise InputError("would be overwritten", path=str(path), help=help)
-    if any(node.name == f"/{GUARD_NODE}" for node in tree.nodes()):
+    if any(node.name == GUARD_NODE for node in tree.nodes()):
         help = "instrument the app's own launch file"
         raise InputError("starts a guard already", path=tree.root.path, help=help)

@@ -1,0 +1,105 @@
+"""Who may publish and hear what in the guarded app: the topics of a plan's enforced streams."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from rtron.vocabulary.action import ANSWERED, ASKED, SERVER, ActionPart, part_topic
+from rtron.vocabulary.enums import Mode, StreamKind
+from rtron.vocabulary.names import (
+    PRIVATE_ROOT,
+    SUPERVISOR_NODE,
+    flow_topic,
+    names_node,
+    output_topic,
+)
+from rtron.vocabulary.plan import Plan
+from rtron.vocabulary.stream import Stream
+from rtron.vocabulary.streams import streams
+
+ANYBODY = "*"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedTopic:
+    """A topic, and the nodes that may publish and subscribe it: names, or patterns with `*`.
+
+    `guarded` is the public name of the stream that it belongs to.
+    """
+
+    topic: str
+    guarded: str
+    publishers: tuple[str, ...]
+    subscribers: tuple[str, ...]
+
+    def may_publish(self, node: str) -> bool:
+        """Tell whether the plan lets a node publish the topic."""
+        return any(names_node(name, node) for name in self.publishers)
+
+    def may_subscribe(self, node: str) -> bool:
+        """Tell whether the plan lets a node listen."""
+        return any(names_node(name, node) for name in self.subscribers)
+
+
+def planned_topics(plan: Plan) -> tuple[PlannedTopic, ...]:
+    """Return every topic that an enforced stream of a plan uses, each once."""
+    enforced = (stream for stream in streams(plan) if stream.mode is Mode.ENFORCE)
+    return tuple(topic for stream in enforced for topic in _topics(stream))
+
+
+def stage_nodes(stream: Stream) -> tuple[str, ...]:
+    """Return the names of a stream's coordination nodes, in order."""
+    return tuple(f"{PRIVATE_ROOT}/{stage.id}" for stage in stream.stages)
+
+
+def _topics(stream: Stream) -> Iterator[PlannedTopic]:
+    nodes = stage_nodes(stream)
+    yield from _entries(stream, stream.topic, nodes[-1])
+    yield from _exits(stream, stream.topic, nodes[-1], stream.successors)
+    for before, after in pairwise(nodes):
+        joint = f"{PRIVATE_ROOT}{stream.topic}{before.removeprefix(PRIVATE_ROOT)}"
+        yield _planned(stream, joint, (before,), (after,))
+    if stream.action:
+        yield from _action(stream, nodes[0])
+
+
+def _action(stream: Stream, node: str) -> Iterator[PlannedTopic]:
+    """Yield the four topics of an action beside its goals; one node is the server to clients."""
+    cancel = part_topic(stream.action, ActionPart.CANCEL)
+    yield from _entries(stream, cancel, node)
+    yield from _exits(stream, cancel, node, stream.successors)
+    clients = tuple(flow.publisher for flow in stream.flows)
+    for part in ANSWERED:
+        topic = part_topic(stream.action, part)
+        yield _planned(stream, flow_topic(topic, SERVER), stream.successors, (node,))
+        yield from _exits(stream, topic, node, clients)
+
+
+def _entries(stream: Stream, topic: str, speaker: str) -> Iterator[PlannedTopic]:
+    """Yield the private topics of the flows; on that of a successor the guard speaks too."""
+    listener = stage_nodes(stream)[0]
+    for flow in stream.flows:
+        follows = any(names_node(flow.publisher, node) for node in stream.successors)
+        publishers = (flow.publisher, speaker) if follows else (flow.publisher,)
+        subscribers = (listener, flow.publisher) if follows else (listener,)
+        yield _planned(stream, flow_topic(topic, flow.name), publishers, subscribers)
+
+
+def _exits(
+    stream: Stream, topic: str, node: str, listeners: tuple[str, ...]
+) -> Iterator[PlannedTopic]:
+    """Yield the private output and the public name; strangers speak there where they may."""
+    asked = topic.rpartition("/")[2] in ASKED if stream.action else True
+    strangers = (ANYBODY,) if asked and not stream.block_unapproved else ()
+    moves = stream.stages[0].settings.kind is StreamKind.COMMAND
+    supervisor = (SUPERVISOR_NODE,) if moves else ()
+    yield _planned(stream, output_topic(topic), (node, *supervisor), listeners)
+    yield _planned(stream, topic, (node, *strangers), (ANYBODY,))
+
+
+def _planned(
+    stream: Stream, topic: str, publishers: tuple[str, ...], subscribers: tuple[str, ...]
+) -> PlannedTopic:
+    return PlannedTopic(
+        topic=topic, guarded=stream.topic, publishers=publishers, subscribers=subscribers
+    )
