@@ -12,7 +12,7 @@ from rtron.guard.senses import Senses
 from rtron.guard.stages import policies_of
 from rtron.guard.stopper import Stopper
 from rtron.guard.transport.transport import Peer, Receive, Transport
-from rtron.guard.types import codec_of
+from rtron.guard.types import codec_of, standard_info
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     UNAPPROVED,
@@ -78,6 +78,25 @@ class GuardedStream:
         log.error("%s: nothing passes any more: %s", self.stream.topic, why)
         self.pipeline.shut(why)
         self._ends.forget()
+        self.attend(self._transport.now())
+
+    def brake(self, by: str, why: str) -> None:
+        """Let nothing pass and keep the robot stopped, until `by` releases it."""
+        self.pipeline.bar(by, self.pipeline.tallies, why)
+        self._learn_standard()
+        self.stopper.brake(why, self._transport.now())
+        self.attend(self._transport.now())
+
+    def bar(self, by: str, publisher: str, why: str) -> None:
+        """Let nothing of a publisher pass until `by` releases it; stop the robot if it moves it."""
+        flows = [f.name for f in self.stream.flows if names_node(f.publisher, publisher)]
+        self.pipeline.bar(by, flows, why)
+        self.attend(self._transport.now())
+
+    def release(self, by: str) -> None:
+        """Let pass again what the policies let pass."""
+        self.pipeline.free(by)
+        self.stopper.loosen()
         self.attend(self._transport.now())
 
     def attend(self, now: int) -> None:
@@ -155,6 +174,12 @@ class GuardedStream:
             for policy in self.overridable.values():
                 policy.learn(codec)
         return True
+
+    def _learn_standard(self) -> None:
+        """Know how to say stop although no publisher has told what its messages are."""
+        info = standard_info(self.stream.type, self._transport.encoding)
+        if info and not self.stopper.knows:
+            self._learn(Peer("", info))
 
     def _receive(self, flow: str, message: bytes) -> None:
         now = self._transport.now()

@@ -5,6 +5,7 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
+from rtron.guard.alarms import Alarms
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.messages import (
     DIAGNOSTICS,
@@ -17,7 +18,7 @@ from rtron.guard.messages import (
 )
 from rtron.guard.seldom import PERIOD, Seldom
 from rtron.guard.senses import Senses
-from rtron.guard.statuses import active_text, statuses
+from rtron.guard.statuses import active_text, alarm_statuses, statuses
 from rtron.guard.transport.transport import Output, Transport
 from rtron.guard.watching import Watching, Ways
 from rtron.policies.mission import Standing
@@ -43,6 +44,7 @@ class Host:
         dry_run: bool = False,
     ) -> None:
         self.senses = senses or Senses()
+        self.alarms = Alarms()
         self.guarded = [
             GuardedStream(stream, transport, self.senses, dry_run=dry_run) for stream in streams
         ]
@@ -82,7 +84,8 @@ class Host:
 
     def statuses(self) -> list[Status]:
         """Return the state of every stream, image node and rule."""
-        return statuses(self.guarded, self.senses, self._transport.now())
+        now = self._transport.now()
+        return [*statuses(self.guarded, self.senses, now), *alarm_statuses(self.alarms, now)]
 
     def _heard(self) -> None:
         """Be called when something changes by time alone, if not before."""

@@ -3,11 +3,11 @@
 Sans-I/O: what is let go is handed to `emit`; time is passed in.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.vocabulary import Decision, Verdict
+from rtron.vocabulary import Decision, PolicyName, Verdict
 
 if TYPE_CHECKING:
     from rtron.policies.policy import Policy, Release
@@ -40,6 +40,7 @@ class Pipeline:
         self.tallies: dict[str, Tally] = {flow: Tally() for flow in flows}
         self._emit = emit
         self._after = [self.policies[at:] for at in range(len(self.policies) + 1)]
+        self._bars: dict[tuple[str, str], Verdict] = {}
         self.closed = ""
         self.changed: Callable[[Verdict], None] | None = None
 
@@ -51,11 +52,12 @@ class Pipeline:
         if self.closed:
             self.tallies[flow].dropped += 1
             return None
+        refusal = self._barred(flow)
         for later in self._after[1]:
-            refusal = later.refusal(flow, now, message)
-            if refusal is not None:
-                self._count(refusal)
-                return refusal
+            refusal = refusal or later.refusal(flow, now, message)
+        if refusal is not None:
+            self._count(refusal)
+            return refusal
         return self._go_on(0, flow, message, now)
 
     def tick(self, now: int) -> None:
@@ -75,7 +77,18 @@ class Pipeline:
         if self.closed:
             return self.closed
         refusals = (policy.refusal(flow, now) for policy in self.policies)
-        return next((refusal.reason for refusal in refusals if refusal), "")
+        refusal = self._barred(flow) or next(filter(None, refusals), None)
+        return refusal.reason if refusal else ""
+
+    def bar(self, by: str, flows: Iterable[str], why: str) -> None:
+        """Let nothing of these flows pass until `by` frees them, whatever the policies say."""
+        for flow in flows:
+            reason = Verdict(Decision.DROP, flow, PolicyName.BLOCK, why, revision=0)
+            self._bars[by, flow] = reason
+
+    def free(self, by: str) -> None:
+        """Take back all that `by` has barred."""
+        self._bars = {key: verdict for key, verdict in self._bars.items() if key[0] != by}
 
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do, or None."""
@@ -91,6 +104,11 @@ class Pipeline:
             for release in policy.close():
                 self._count(release.verdict)
 
+    def _barred(self, flow: str) -> Verdict | None:
+        if not self._bars:
+            return None
+        return next((verdict for verdict in self._bars.values() if verdict.flow == flow), None)
+
     @property
     def owner(self) -> str | None:
         """The flow that has the output."""
@@ -101,7 +119,7 @@ class Pipeline:
         verdict, flow = release.verdict, release.verdict.flow
         earlier = self.policies[:at] if release.restores else ()
         refusals = (policy.refusal(flow, now) for policy in earlier)
-        refusal = next((refusal for refusal in refusals if refusal), None)
+        refusal = self._barred(flow) or next(filter(None, refusals), None)
         if refusal or verdict.decision is Decision.DROP:
             self._count(refusal or verdict)
         else:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+from rtron.guard.alarms import Alarms
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.messages import ERROR, OK, WARN, Status
 from rtron.guard.pipeline import Tally
@@ -30,6 +31,17 @@ def statuses(guarded: Sequence[GuardedStream], senses: Senses, now: int) -> list
         *map(_rate, rates),
         *map(_rule, senses.mission.standings.values()),
     ]
+
+
+def alarm_statuses(alarms: Alarms, now: int) -> Iterator[Status]:
+    """Yield the state of the alarms: one entry for all, and one for each that stands."""
+    standing = alarms.standing
+    level, told = (ERROR, f"{len(standing)} alarms") if standing else (OK, "none")
+    yield Status(level, "rtron: alarms", told, {"raised": str(alarms.raised)})
+    for number, alarm in enumerate(standing, start=1):
+        values = {"topic": alarm.topic, "node": alarm.node, "peer": alarm.peer}
+        values["stands"] = f"{(now - (alarms.since(alarm) or now)) / SECOND:.1f} s"
+        yield Status(ERROR, f"rtron: alarm {number}", f"{alarm.kind}: {alarm.reason}", values)
 
 
 def _stream(guarded: GuardedStream, now: int) -> Status:

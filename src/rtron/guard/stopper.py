@@ -39,6 +39,11 @@ class Stopper:
             self._codec = codec
 
     @property
+    def knows(self) -> bool:
+        """Whether it is known how the stream's messages say stop."""
+        return self._codec is not None
+
+    @property
     def why(self) -> str:
         """Why the robot is being stopped, or nothing."""
         return self._stopping.why
@@ -88,13 +93,22 @@ class Stopper:
         """Stop the robot: what moves it may not go on."""
         self._stopping.refuse(why, now)
 
+    def brake(self, why: str, now: int) -> None:
+        """Stop the robot, and keep it stopped until `loosen`; nothing if this stream moves none."""
+        if self._codec is not None:
+            self._stopping.brake(why, now)
+
+    def loosen(self) -> None:
+        """Let the stop end as any other."""
+        self._stopping.loosen()
+
     def tick(self, now: int) -> None:
         """Send what is due."""
         velocity = self._stopping.tick(now)
         if velocity is not None and self._codec is not None:
             rest = not velocity.linear
             made = self._codec.rest if rest else self._codec.encode(self._last, velocity)
-            self._send(self.stopped, made)
+            self._send(self.stopped or UNAPPROVED, made)
 
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do."""

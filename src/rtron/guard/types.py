@@ -6,7 +6,7 @@ from rtron.errors import InputError
 from rtron.guard.transport.transport import TypeInfo
 from rtron.messages.definition import Definition
 from rtron.messages.definition_text import parse_definition
-from rtron.messages.definitions import Definitions
+from rtron.messages.definitions import Definitions, standard_text
 from rtron.messages.encoding import Encoding
 from rtron.messages.stamp import stamp_reader
 from rtron.messages.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
@@ -17,6 +17,14 @@ _STANDARD = {
     Encoding.ROS1: Definitions(),
     Encoding.CDR: Definitions(ros=2),
 }
+
+
+def standard_info(type: str, encoding: Encoding) -> TypeInfo | None:
+    """Return what a publisher of a standard type would say; None if the type is not standard."""
+    name = normalise_type(type)
+    definition = _STANDARD[encoding].find(name)
+    text = standard_text(name, 1 if encoding is Encoding.ROS1 else 2)
+    return TypeInfo(name, definition.md5sum, text) if definition and text else None
 
 
 def codec_of(info: TypeInfo, encoding: Encoding) -> VelocityCodec | None:

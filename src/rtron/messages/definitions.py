@@ -34,11 +34,12 @@ class Definitions:
         text = self._texts.get(name) or _ACKERMANN.get(name)
         if text is not None:
             return parse_definition(name, text, lookup=self.find)
-        standard = _standard_text(name, self._ros)
+        standard = standard_text(name, self._ros)
         return None if standard is None else parse_definition(name, standard)
 
 
-def _standard_text(name: str, ros: int) -> str | None:
+def standard_text(name: str, ros: int) -> str | None:
+    """Return the definition of a standard type, with those that it names; None if it is none."""
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - most guards need none
     from rosbags.typesys.base import TypesysError  # noqa: PLC0415
 

@@ -30,6 +30,7 @@ class Input(Named):
     SILENT = "the flow that moves the robot is silent: stop"
     RELEASED = "the flow that moves the robot is silent: release"
     REFUSED = "what moves the robot may not go on"
+    BRAKED = "nobody may move the robot until the brake is loosened"
     AT_REST = "the robot was told to rest for long enough, or was not moving"
 
 
@@ -38,21 +39,25 @@ TABLE: Table[State, Input] = {
     (State.RESTING, Input.SILENT): (State.RESTING, Effect.NEVER),
     (State.RESTING, Input.RELEASED): (State.RESTING, Effect.NEVER),
     (State.RESTING, Input.REFUSED): (State.RESTING, Effect.NOTHING),
+    (State.RESTING, Input.BRAKED): (State.STOPPING, Effect.STOP),
     (State.RESTING, Input.AT_REST): (State.RESTING, Effect.NEVER),
     (State.MOVING, Input.SAID): (State.MOVING, Effect.NOTHING),
     (State.MOVING, Input.SILENT): (State.STOPPING, Effect.STOP),
     (State.MOVING, Input.RELEASED): (State.RELEASED, Effect.NOTHING),
     (State.MOVING, Input.REFUSED): (State.STOPPING, Effect.STOP),
+    (State.MOVING, Input.BRAKED): (State.STOPPING, Effect.STOP),
     (State.MOVING, Input.AT_REST): (State.MOVING, Effect.NEVER),
     (State.RELEASED, Input.SAID): (State.MOVING, Effect.NOTHING),
     (State.RELEASED, Input.SILENT): (State.RELEASED, Effect.NEVER),
     (State.RELEASED, Input.RELEASED): (State.RELEASED, Effect.NEVER),
     (State.RELEASED, Input.REFUSED): (State.STOPPING, Effect.STOP),
+    (State.RELEASED, Input.BRAKED): (State.STOPPING, Effect.STOP),
     (State.RELEASED, Input.AT_REST): (State.RELEASED, Effect.NEVER),
     (State.STOPPING, Input.SAID): (State.MOVING, Effect.NOTHING),
     (State.STOPPING, Input.SILENT): (State.STOPPING, Effect.NEVER),
     (State.STOPPING, Input.RELEASED): (State.STOPPING, Effect.NEVER),
     (State.STOPPING, Input.REFUSED): (State.STOPPING, Effect.NOTHING),
+    (State.STOPPING, Input.BRAKED): (State.STOPPING, Effect.NOTHING),
     (State.STOPPING, Input.AT_REST): (State.RESTING, Effect.NOTHING),
 }
 
@@ -89,6 +94,7 @@ class Stopping:
         self._spoke = 0
         self._ramp = Ramp(Velocity(()), 0, 0)
         self._next = 0
+        self._braked = False
         self.why = ""
         self.stops = 0
 
@@ -121,6 +127,17 @@ class Stopping:
         if self._machine.step(Input.REFUSED) is Effect.STOP:
             self._begin(why, now, ramped=not released)
 
+    def brake(self, why: str, now: int) -> None:
+        """Stop the robot, and keep telling it to rest until `loosen`, whoever else moves it."""
+        velocity = self._velocity() if self._machine.state is State.MOVING else None
+        self._braked = True
+        if self._machine.step(Input.BRAKED) is Effect.STOP:
+            self._start(velocity, why, now)
+
+    def loosen(self) -> None:
+        """Let the stop end as any other."""
+        self._braked = False
+
     def tick(self, now: int) -> Velocity | None:
         """Return the velocity that goes out at `now`, if one is due."""
         if self._machine.state is State.MOVING and now >= self._spoke + self._flow.silent_after:
@@ -150,14 +167,18 @@ class Stopping:
         if velocity is not None and not velocity.moves:
             self._machine.step(Input.AT_REST)
             return
+        self._start(velocity if ramped else None, why, now)
+
+    def _start(self, velocity: Velocity | None, why: str, now: int) -> None:
         self.why = why
         self.stops += 1
-        self._ramp = Ramp.of((ramped and velocity) or Velocity(()), self._stop, now)
+        self._ramp = Ramp.of(velocity or Velocity(()), self._stop, now)
         self._next = now
 
     def _go_on(self, now: int) -> Velocity | None:
         self._next = now + self._stop.period
-        if now >= self._ramp.began + self._ramp.lasts + self._stop.repeat:
+        over = now >= self._ramp.began + self._ramp.lasts + self._stop.repeat
+        if over and not self._braked:
             self._machine.step(Input.AT_REST)
             self.why = ""
             return None

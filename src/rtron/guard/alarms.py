@@ -1,0 +1,45 @@
+"""The alarms that stand: raised once, told in the log and in the diagnostics, and settled."""
+
+import logging
+
+from rtron.vocabulary import Alarm
+
+log = logging.getLogger(__name__)
+
+_MOST = 256
+
+
+class Alarms:
+    """What is wrong at this moment, and how often something was.
+
+    Bounded: a stranger who makes one alarm after the other does not fill the memory; what finds
+    no place is counted and logged.
+    """
+
+    def __init__(self) -> None:
+        self._standing: dict[Alarm, int] = {}
+        self.raised = 0
+
+    @property
+    def standing(self) -> tuple[Alarm, ...]:
+        """The alarms that stand, the oldest first."""
+        return tuple(self._standing)
+
+    def since(self, alarm: Alarm) -> int | None:
+        """Return when an alarm was raised (ns), None if it does not stand."""
+        return self._standing.get(alarm)
+
+    def raise_(self, alarm: Alarm, now: int) -> bool:
+        """Raise an alarm; tell whether it is news."""
+        if alarm in self._standing:
+            return False
+        self.raised += 1
+        log.error("alarm: %s: %s", alarm.kind, alarm.reason)
+        if len(self._standing) < _MOST:
+            self._standing[alarm] = now
+        return True
+
+    def settle(self, alarm: Alarm) -> None:
+        """Take back an alarm; nothing if it does not stand."""
+        if self._standing.pop(alarm, None) is not None:
+            log.warning("no more: %s: %s", alarm.kind, alarm.reason)
