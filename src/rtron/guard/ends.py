@@ -51,6 +51,11 @@ class Ends:
         for joint in self._joints:
             joint.publish(message, latched_by)
 
+    def reaches(self, node: str) -> bool:
+        """Tell whether what is sent reaches a node, on its own flow or on the private output."""
+        private = (*self._outputs[:1], *self._mirrors.values())
+        return any(output.reaches(node) for output in private)
+
     def forget(self) -> None:
         """Keep nothing for late subscribers any more."""
         for output in (*self._outputs, *self._mirrors.values()):

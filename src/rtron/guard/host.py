@@ -5,6 +5,7 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
+from rtron.guard.action.guarded import GuardedAction
 from rtron.guard.alarms import Alarms
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.messages import (
@@ -21,6 +22,7 @@ from rtron.guard.senses import Senses
 from rtron.guard.statuses import active_text, alarm_statuses, statuses
 from rtron.guard.transport.transport import Output, Transport
 from rtron.guard.watching import Watching, Ways
+from rtron.guard.will import Will
 from rtron.policies.mission import Standing
 from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SECOND, Mode, Stream, flow_topic
 
@@ -42,13 +44,15 @@ class Host:
         senses: Senses | None = None,
         *,
         dry_run: bool = False,
+        will: Will | None = None,
     ) -> None:
+        """`will` is what a guard that ended has left to this one."""
         self.senses = senses or Senses()
         self.alarms = Alarms()
-        self.guarded = [
-            GuardedStream(stream, transport, self.senses, dry_run=dry_run) for stream in streams
-        ]
         self._transport = transport
+        self._dry_run = dry_run
+        self._will = will or Will()
+        self.guarded = [self._guarded(stream) for stream in streams]
         self._watching = Watching(transport, self.senses, _ways(streams), self._heard)
         self._attending = False
         self._seldom = Seldom()
@@ -86,6 +90,25 @@ class Host:
         """Return the state of every stream, image node and rule."""
         now = self._transport.now()
         return [*statuses(self.guarded, self.senses, now), *alarm_statuses(self.alarms, now)]
+
+    def _guarded(self, stream: Stream) -> GuardedStream:
+        if not stream.action or stream.mode is not Mode.ENFORCE:
+            return GuardedStream(stream, self._transport, self.senses, dry_run=self._dry_run)
+        action = GuardedAction(
+            stream, self._transport, self.senses, self._will, dry_run=self._dry_run
+        )
+        action.halted = partial(self._halted, action)
+        return action
+
+    def _halted(self, action: GuardedAction, node: str, why: str) -> None:
+        """Keep the server of a goal that was stopped from moving the robot, until it is over."""
+        for guarded in self.guarded:
+            if guarded is action:
+                continue
+            if why:
+                guarded.bar(action.name, node, why)
+            else:
+                guarded.release(action.name)
 
     def _heard(self) -> None:
         """Be called when something changes by time alone, if not before."""

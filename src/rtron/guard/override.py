@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from rtron.guard.decoding import Decoding
 from rtron.messages.velocity import VelocityCodec
-from rtron.policies.policy import Policy, Release
+from rtron.policies.policy import Immediate, Policy, Release
 from rtron.vocabulary import UNAPPROVED, Decision, Verdict
 
 
@@ -18,7 +18,7 @@ class Override:
     until: int
 
 
-class Overridable:
+class Overridable(Immediate):
     """Stands before a policy that holds no messages; an override lets approved flows pass.
 
     What cannot be judged, and who is not approved, is refused all the same.

@@ -32,7 +32,8 @@ class Pipeline:
 
     What a later stage would refuse is not put to the earlier ones: what may not pass must not take
     the output from others, nor wait in a queue. It is asked again when its turn has come.
-    `changed`, if it is set, is told a verdict that differs from the one before on its flow.
+    `changed`, if it is set, is told a verdict that differs from the one before on its flow;
+    `gave_up` each message that was held and will not go.
     """
 
     def __init__(self, policies: Sequence["Policy"], flows: Sequence[str], emit: Emit) -> None:
@@ -43,6 +44,7 @@ class Pipeline:
         self._bars: dict[tuple[str, str], Verdict] = {}
         self.closed = ""
         self.changed: Callable[[Verdict], None] | None = None
+        self.gave_up: Callable[[bytes, Verdict], None] = _forget
 
     def receive(self, flow: str, message: bytes, now: int) -> Verdict | None:
         """Decide about a message that arrived at `now` (ns); emit it if all stages agree.
@@ -72,11 +74,22 @@ class Pipeline:
             policy.observe_done(now)
         self.tick(now)
 
-    def refusal(self, flow: str, now: int) -> str:
-        """Return why no message of `flow` would pass at `now`, or nothing."""
+    def occupy(self, flow: str, now: int) -> None:
+        """Learn that an action is in progress that was not let go here."""
+        for policy in self.policies:
+            policy.occupy(flow, now)
+
+    def withdraw(self, message: bytes, why: str, now: int) -> None:
+        """Give up a message that is held."""
+        for policy in self.policies:
+            policy.withdraw(message, why)
+        self.tick(now)
+
+    def refusal(self, flow: str, now: int, message: bytes | None = None) -> str:
+        """Return why `message` of `flow`, or none of its messages, would pass at `now`."""
         if self.closed:
             return self.closed
-        refusals = (policy.refusal(flow, now) for policy in self.policies)
+        refusals = (policy.refusal(flow, now, message) for policy in self.policies)
         refusal = self._barred(flow) or next(filter(None, refusals), None)
         return refusal.reason if refusal else ""
 
@@ -103,6 +116,7 @@ class Pipeline:
         for policy in self.policies:
             for release in policy.close():
                 self._count(release.verdict)
+                self.gave_up(release.message, release.verdict)  # type: ignore[arg-type]
 
     def _barred(self, flow: str) -> Verdict | None:
         if not self._bars:
@@ -116,14 +130,17 @@ class Pipeline:
 
     def _release(self, at: int, release: "Release", now: int) -> None:
         """Let what the stage `at` releases go on; a rule of an earlier one may keep it low."""
-        verdict, flow = release.verdict, release.verdict.flow
+        verdict, flow, message = release.verdict, release.verdict.flow, release.message
         earlier = self.policies[:at] if release.restores else ()
         refusals = (policy.refusal(flow, now) for policy in earlier)
         refusal = self._barred(flow) or next(filter(None, refusals), None)
         if refusal or verdict.decision is Decision.DROP:
-            self._count(refusal or verdict)
+            verdict = refusal or verdict
+            self._count(verdict)
         else:
-            self._go_on(at + 1, flow, release.message, now, verdict)  # type: ignore[arg-type]
+            verdict = self._go_on(at + 1, flow, message, now, verdict)  # type: ignore[arg-type]
+        if verdict.decision is Decision.DROP:
+            self.gave_up(message, verdict)  # type: ignore[arg-type]
 
     def _go_on(
         self, first: int, flow: str, message: bytes, now: int, verdict: Verdict | None = None
@@ -165,3 +182,7 @@ def _differs(one: Verdict, other: Verdict | None) -> bool:
     if other is None or one.decision is not other.decision or one.policy is not other.policy:
         return True
     return one.decision is not Decision.MODIFY and one.reason != other.reason
+
+
+def _forget(_message: bytes, _verdict: Verdict) -> None:
+    """Nobody waits for an answer."""

@@ -48,6 +48,7 @@ def _stream(guarded: GuardedStream, now: int) -> Status:
     pipeline = guarded.pipeline
     values = {flow: _counts(tally) for flow, tally in pipeline.tallies.items()}
     values |= {f"unapproved {node}": f"connected {n}" for node, n in guarded.strangers.items()}
+    values |= guarded.details
     if guarded.stopper.stops:
         values["stops"] = str(guarded.stopper.stops)
     overrides = dict(_overrides(guarded, now))

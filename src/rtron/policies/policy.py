@@ -48,6 +48,14 @@ class Policy(Protocol):
         """Learn that the action in progress is done."""
         ...
 
+    def occupy(self, flow: str, now: int) -> None:
+        """Learn that an action of `flow` is in progress that was not let go here."""
+        ...
+
+    def withdraw(self, message: object, why: str) -> None:
+        """Give up a held message: the one that is this object; `tick` returns it."""
+        ...
+
     def tick(self, now: int) -> Sequence[Release]:
         """Let time pass up to `now`; return what leaves the queue, in order."""
         ...
@@ -73,6 +81,12 @@ class Immediate:
 
     def observe_done(self, now: int) -> None:
         """Nothing is in progress here."""
+
+    def occupy(self, flow: str, now: int) -> None:
+        """Nothing is in progress here."""
+
+    def withdraw(self, message: object, why: str) -> None:
+        """Nothing is ever held."""
 
     def tick(self, now: int) -> Sequence[Release]:  # noqa: ARG002
         """Nothing is ever held."""

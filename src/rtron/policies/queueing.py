@@ -34,6 +34,7 @@ class Input(Named):
     REFUSED = "a message of a blocked or unknown flow"
     OVER = "the turn is over: done, overdue or silent"
     TURN = "a tick, and a waiting message may go"
+    OCCUPIED = "an action is in progress that did not go through here"
 
 
 TABLE: Table[State, Input] = {
@@ -43,12 +44,14 @@ TABLE: Table[State, Input] = {
     (State.FREE, Input.REFUSED): (State.FREE, Effect.DROP),
     (State.FREE, Input.OVER): (State.FREE, Effect.NEVER),
     (State.FREE, Input.TURN): (State.TAKEN, Effect.LET_GO),
+    (State.FREE, Input.OCCUPIED): (State.TAKEN, Effect.NOTHING),
     (State.TAKEN, Input.FIRST): (State.TAKEN, Effect.PASS),
     (State.TAKEN, Input.BEHIND): (State.TAKEN, Effect.HOLD),
     (State.TAKEN, Input.FULL): (State.TAKEN, Effect.DROP),
     (State.TAKEN, Input.REFUSED): (State.TAKEN, Effect.DROP),
     (State.TAKEN, Input.OVER): (State.FREE, Effect.NOTHING),
     (State.TAKEN, Input.TURN): (State.TAKEN, Effect.NEVER),
+    (State.TAKEN, Input.OCCUPIED): (State.TAKEN, Effect.NOTHING),
 }
 
 
@@ -100,6 +103,18 @@ class Queue:
         """End the turn: what the output was taken for is done."""
         self._turn.end(now)
         self._let_time_pass(now)
+
+    def occupy(self, flow: str, now: int) -> None:
+        """Give the turn to `flow`, whoever it is: nothing goes while its action is in progress."""
+        self._let_time_pass(now)
+        self._machine.step(Input.OCCUPIED)
+        self._turn.take(self._gate.flows.get(flow) or Flow(name=flow, publisher=flow), now)
+
+    def withdraw(self, message: object, why: str) -> None:
+        """Give up a message that waits."""
+        held = self._waiting.find(message)
+        if held:
+            self._give_up(held, why)
 
     def tick(self, now: int) -> Sequence[Release]:
         """Let time pass, then let go whose turn it is; return everything that leaves."""

@@ -57,6 +57,10 @@ class Waiting:
         """Return the message of `flow` that arrived last, if it still waits."""
         return self._latest.get(flow)
 
+    def find(self, message: object) -> Held | None:
+        """Return what holds this very object."""
+        return next((held for held in self._by_age if held.message is message), None)
+
     def first(self) -> Held | None:
         """Return the message that goes next."""
         heap = self._heap

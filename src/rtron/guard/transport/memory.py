@@ -18,7 +18,10 @@ from rtron.messages.encoding import Encoding
 
 
 class MemoryTransport:
-    """Topics as lists; outside nodes speak with `publisher` and listen with `listen`."""
+    """Topics as lists; outside nodes speak with `publisher` and listen with `listen`.
+
+    Every topic reaches every node that is not `deaf`.
+    """
 
     def __init__(self, encoding: Encoding = Encoding.ROS1) -> None:
         self.encoding = encoding
@@ -29,6 +32,7 @@ class MemoryTransport:
         self._links: dict[tuple[str, Peer], list[Lost]] = defaultdict(list)
         self._heard: dict[str, list[list[bytes]]] = defaultdict(list)
         self.outputs: dict[str, MemoryOutput] = {}
+        self.deaf: set[str] = set()
 
     def now(self) -> int:
         """Return the time of the memory's clock, ns."""
@@ -64,7 +68,8 @@ class MemoryTransport:
     ) -> Output:
         """Publish `topic` as `node`; nothing waits here, so `queue_size` bounds nothing."""
         del node, queue_size, successors
-        self.outputs[topic] = MemoryOutput(type, self._heard[topic])
+        heard = self._heard[topic]
+        self.outputs[topic] = MemoryOutput(type, heard, lambda node: node not in self.deaf)
         return self.outputs[topic]
 
     def subscribe(
@@ -109,8 +114,11 @@ class MemoryTransport:
 class MemoryOutput:
     """A topic of the guard: every listener's list gets every message."""
 
-    def __init__(self, type: str, listeners: list[list[bytes]]) -> None:
+    def __init__(
+        self, type: str, listeners: list[list[bytes]], reaches: Callable[[str], bool]
+    ) -> None:
         self.type = type
+        self.reaches = reaches
         self.info: TypeInfo | None = None
         self.latched: dict[str, bytes] = {}
         self._listeners = listeners

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from rtron.messages.encoding import Encoding
 
-Receive = Callable[[bytes], None]
+Receive = Callable[[bytes], object]
 """Takes one message."""
 
 
@@ -57,6 +57,10 @@ class Output(Protocol):
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
+        ...
+
+    def reaches(self, node: str) -> bool:
+        """Tell whether a node that says that it is `node` listens."""
         ...
 
     def forget(self) -> None:

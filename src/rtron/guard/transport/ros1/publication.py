@@ -65,6 +65,10 @@ class Publication:
         if self._early is not None and not self.links:
             self._keep(self._early, message)
 
+    def reaches(self, node: str) -> bool:
+        """Tell whether a subscriber says that it is `node`."""
+        return any(link.node == node for link in self.links)
+
     def forget(self) -> None:
         """Keep nothing for late subscribers any more."""
         self._latched.clear()

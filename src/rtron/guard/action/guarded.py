@@ -1,0 +1,401 @@
+"""A guarded action: its goals go through a pipeline, and its other topics move with them.
+
+To the clients the guard is the server, to the server it is the client (design section 5). A goal
+that waits here is told as pending; each goal is answered once, by the server or by the guard.
+"""
+
+import logging
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from rtron.errors import InputError, WireError
+from rtron.guard.action.ends import ActionEnds
+from rtron.guard.action.server import Server
+from rtron.guard.guarded import GuardedStream
+from rtron.guard.seldom import Seldom
+from rtron.guard.senses import Senses
+from rtron.guard.transport.transport import Peer, Receive, Transport
+from rtron.guard.will import Will
+from rtron.messages.actionlib import (
+    ABORTED,
+    RECALLED,
+    REJECTED,
+    GoalID,
+    GoalStatus,
+    cancel_message,
+    read_cancel,
+    read_goal,
+    read_result,
+    read_statuses,
+    result_message,
+    with_goal_id,
+    with_statuses,
+)
+from rtron.policies.goals import AGAIN_AFTER, Goal, Goals, Where
+from rtron.vocabulary import (
+    SECOND,
+    SERVER,
+    UNAPPROVED,
+    ActionPart,
+    Decision,
+    Stream,
+    Verdict,
+    names_node,
+)
+
+log = logging.getLogger(__name__)
+
+LOST_AFTER = 2 * SECOND
+"""A goal that the server has not listed for so long is not with it any more."""
+_MOST_TOLD = 256
+_KEEP_AFTER = SECOND // 200
+_ORPHANED = 3 * SECOND
+
+
+class GuardedAction(GuardedStream):
+    """A guarded stream of goals, with the cancels, statuses, feedback and results beside it."""
+
+    def __init__(
+        self,
+        stream: Stream,
+        transport: Transport,
+        senses: Senses,
+        will: Will,
+        *,
+        dry_run: bool = False,
+    ) -> None:
+        super().__init__(_roomy(stream), transport, senses, dry_run=dry_run)
+        self.goals = Goals()
+        self.server = Server()
+        self.halted: Callable[[str, str], None] = lambda node, why: None
+        self.pipeline.gave_up = self._gave_up
+        self._parts = ActionEnds(self.stream, self.nodes[0], transport, self)
+        self._current: Goal | None = None
+        self._answered: deque[tuple[int, GoalStatus]] = deque(maxlen=_MOST_TOLD)
+        self._most_waiting = stream.queue_size
+        self._named = 0
+        self._halting = ""
+        self._will = will
+        self._keeping = False
+        self._seldom = Seldom()
+
+    def open(self) -> None:
+        """Join the graph."""
+        super().open()
+        self._parts.open()
+        kept = self._will.found(self.name)
+        if kept:
+            self._take_over(kept)
+
+    def attend(self, now: int) -> None:
+        """Cancel what may not go on, and stop what it moves."""
+        super().attend(now)
+        for goal in () if self.dry_run else self.goals:
+            if goal.where is Where.SENT and not goal.stopped and goal.flow in self.pipeline.tallies:
+                goal.stopped = self.pipeline.refusal(goal.flow, now, goal.message or None)
+                if goal.stopped:
+                    log.warning("%s: %s is cancelled: %s", self.name, _said(goal), goal.stopped)
+                    self._parts.cancel(cancel_message(goal.id))
+        self._halt()
+
+    @property
+    def name(self) -> str:
+        """The action's name."""
+        return self.stream.action
+
+    @property
+    def details(self) -> dict[str, str]:
+        """What there is to tell beside the flows."""
+        waiting = sum(goal.where is Where.WAITING for goal in self.goals)
+        return {
+            "goals": f"{waiting} waiting, {len(self.goals) - waiting} with the server",
+            "server": self.server.node if self._serves() else "not there",
+        }
+
+    # What the guard before has left
+
+    def _take_over(self, kept: Mapping[str, Any]) -> None:
+        now = self._transport.now()
+        self.goals.restore(kept, now)
+        for goal in self.goals:
+            if goal.where is Where.SENT:
+                self._current = goal
+                self.pipeline.occupy(goal.flow, now)
+        self._transport.call_at(now + _ORPHANED, self._answer_orphans)
+
+    def _answer_orphans(self) -> None:
+        """Answer the goals that waited with a guard that has ended, once their clients are back."""
+        for goal in self.goals:
+            if goal.where is Where.WAITING and not goal.message:
+                self._answer(goal, RECALLED, "the guard was restarted")
+
+    def _keep(self) -> None:
+        """Leave to the next guard whose goals there are, soon: many may change at once."""
+        if not self._keeping:
+            self._keeping = True
+            self._transport.call_at(self._transport.now() + _KEEP_AFTER, self._kept)
+
+    def _kept(self) -> None:
+        self._keeping = False
+        self._will.keep(self.name, self.goals.kept())
+
+    # What clients say
+
+    def _taking(self, flow: str, peer: Peer) -> Receive:
+        if flow == UNAPPROVED and self.stream.block_unapproved:
+            return super()._taking(flow, peer)
+        if self._is_server(peer):
+            return self._reading(peer, self._own_goal)
+        return self._reading(peer, partial(self._goal, flow, peer))
+
+    def _reading(self, peer: Peer, take: Callable[[bytes], None]) -> Receive:
+        """Return what takes messages, and drops those that cannot be read."""
+
+        def receive(message: bytes) -> None:
+            try:
+                take(message)
+            except WireError as error:
+                self._complain(peer, f"what it says cannot be read: {error}")
+
+        return receive
+
+    def _goal(self, flow: str, peer: Peer, message: bytes) -> None:
+        now = self._transport.now()
+        asked = read_goal(message)
+        if not asked.id:
+            asked = GoalID(self._name_goal(now), asked.stamp)
+            message = with_goal_id(message, asked)
+        if why := self._why_unheard(asked, peer, now):
+            self._complain(peer, why)
+            return
+        goal = Goal(asked.id, asked.stamp, flow, peer.node, message, seen=now)
+        self.goals.add(goal)
+        self._decide(goal, now)
+        self._keep()
+
+    def _why_unheard(self, asked: GoalID, peer: Peer, now: int) -> str:
+        """Return why a goal is none that could be answered."""
+        if peer.latching and self.goals.is_over(asked.id):
+            return "an old goal, latched"
+        return self.goals.why_not(asked.id, peer.node, now)
+
+    def _decide(self, goal: Goal, now: int) -> None:
+        if self.goals.came_cancelled(goal, now):
+            self._answer(goal, RECALLED, "cancelled by its client")
+        elif why := self._why_refused(goal):
+            self._answer(goal, REJECTED, why)
+        else:
+            verdict = self._receive(goal.flow, goal.message)
+            if verdict is None or verdict.decision is Decision.DROP:
+                self._answer(goal, REJECTED, verdict.reason if verdict else "internal error")
+            elif verdict.decision is Decision.HOLD:
+                self._tell_statuses()
+
+    def _why_refused(self, goal: Goal) -> str:
+        """Return why a goal cannot be taken, whatever the policies say."""
+        if self.dry_run:
+            return ""
+        if not self._serves():
+            return "the action server is not there"
+        own = sum(g.flow == goal.flow and g.where is Where.WAITING for g in self.goals)
+        return f"{self._most_waiting} goals wait" if own > self._most_waiting else ""
+
+    def _passed(self, flow: str, message: bytes, now: int) -> None:
+        super()._passed(flow, message, now)
+        goal = self.goals.find(read_goal(message).id)
+        if goal:
+            goal.where, goal.seen = Where.SENT, now
+            self._current = goal
+            self._keep()
+
+    def _gave_up(self, message: bytes, verdict: Verdict) -> None:
+        goal = self.goals.find(read_goal(message).id)
+        if goal and goal.where is Where.WAITING:
+            self._answer(goal, RECALLED, verdict.reason)
+
+    def cancels_of(self, flow: str, peer: Peer) -> Receive | None:
+        """Return what takes the cancels of a client."""
+        if flow == UNAPPROVED and self.stream.block_unapproved and not self.dry_run:
+            return partial(self._complain, peer, "not approved, its cancels are dropped")
+        return self._reading(peer, partial(self._cancel, peer))
+
+    def _cancel(self, peer: Peer, message: bytes) -> None:
+        now = self._transport.now()
+        if self.dry_run:
+            self._parts.cancel(message)
+        asked = read_cancel(message)
+        for goal in self.goals.cancelled(peer.node, asked.id, asked.stamp, now):
+            if goal.where is Where.WAITING:
+                self.pipeline.withdraw(goal.message, "cancelled by its client", now)
+            elif not self.dry_run:
+                self._parts.cancel(cancel_message(goal.id))
+
+    # What the server says
+
+    def answers_of(self, part: ActionPart, peer: Peer) -> Receive | None:
+        """Return what takes what the server says."""
+        if part is ActionPart.RESULT:
+            try:
+                self.server.learn_result(peer.info)
+            except InputError as error:
+                self._complain(peer, str(error))
+                return None
+            return self._reading(peer, self._result)
+        if part is ActionPart.STATUS:
+            self.server.node = peer.node
+            return self._reading(peer, self._status)
+        return partial(self._parts.answer, part)
+
+    def server_left(self, part: ActionPart, peer: Peer) -> None:
+        """Learn that the server does not publish a part any more."""
+        if part is ActionPart.STATUS and peer.node == self.server.node:
+            log.warning("%s: the server %s is gone", self.name, peer.node)
+            self.server.leave()
+            self._parts.forget()
+            self._transport.call_at(self._transport.now() + LOST_AFTER, self._look_for_lost)
+
+    def _status(self, message: bytes) -> None:
+        now = self._transport.now()
+        statuses = read_statuses(message)
+        self.server.says(message, statuses, now)
+        for status in statuses:
+            self._listed(status, now)
+        self._look_for_lost()
+        self._tell_statuses()
+
+    def _listed(self, status: GoalStatus, now: int) -> None:
+        goal = self.goals.find(status.goal.id)
+        if goal is None:
+            if status.over or self.goals.is_over(status.goal.id):
+                return
+            goal = self._found(status.goal, now)
+        goal.seen, goal.status = now, status.status
+        if status.over:
+            self._turn_over(goal)
+            if not goal.client:
+                self.goals.end(goal, now)
+
+    def _own_goal(self, message: bytes) -> None:
+        """Take notice of a goal that the server gives itself, as move_base does."""
+        now = self._transport.now()
+        asked = read_goal(message)
+        if asked.id and not self.goals.why_not(asked.id, "", now):
+            self._found(asked, now)
+
+    def _found(self, asked: GoalID, now: int) -> Goal:
+        """Know of a goal that the server has and that did not come through here."""
+        goal = Goal(asked.id, asked.stamp, SERVER, "", where=Where.SENT, seen=now)
+        self.goals.add(goal)
+        self._current = goal
+        self.pipeline.occupy(SERVER, now)
+        self._keep()
+        return goal
+
+    def _result(self, message: bytes) -> None:
+        now = self._transport.now()
+        id = read_result(message).goal.id
+        goal = self.goals.find(id)
+        if goal is None and self.goals.is_over(id):
+            return
+        if goal is None:
+            self.goals.remember(id, "", now)
+        else:
+            self.goals.end(goal, now)
+        self._parts.answer(ActionPart.RESULT, message)
+        if goal:
+            self._turn_over(goal)
+        self._halt()
+        self._keep()
+
+    def _turn_over(self, goal: Goal) -> None:
+        """Let the next goal go if this was the one in progress."""
+        if goal is self._current:
+            self._current = None
+            self._done(b"")
+
+    def _look_for_lost(self) -> None:
+        """Answer the goals that the server does not have any more."""
+        now = self._transport.now()
+        for goal in self.goals:
+            silent = self.server.at if self.server.node else now
+            if goal.where is Where.SENT and silent - goal.seen >= LOST_AFTER:
+                over = GoalStatus(GoalID(goal.id, 0), goal.status).over
+                self._answer(goal, goal.status if over else ABORTED, "the server has lost it")
+                self._turn_over(goal)
+
+    # What the guard says
+
+    def _answer(self, goal: Goal, status: int, why: str) -> None:
+        """End a goal in the server's place."""
+        now = self._transport.now()
+        self.goals.end(goal, now)
+        self._keep()
+        if not goal.client or self.dry_run:
+            return
+        log.info("%s: %s: %s", self.name, _said(goal), why)
+        told = GoalStatus(GoalID(goal.id, goal.stamp), status, why)
+        self._answered.append((now + AGAIN_AFTER, told))
+        if self.server.empty_result is not None:
+            message = result_message(time.time_ns(), told, self.server.empty_result)
+            self._parts.answer(ActionPart.RESULT, message)
+        self._tell_statuses()
+
+    def _tell_statuses(self) -> None:
+        """Tell the clients what the server has told, and what waits here; not in its absence."""
+        if self.dry_run and self.server.told:
+            self._parts.answer(ActionPart.STATUS, self.server.told)
+        elif self.server.told and self._serves():
+            more = list(self._unlisted())
+            self._parts.answer(ActionPart.STATUS, with_statuses(self.server.told, more))
+
+    def _unlisted(self) -> Iterator[GoalStatus]:
+        """Yield the state of goals that the server does not list."""
+        now, listed = self._transport.now(), self.server.listed
+        for goal in self.goals:
+            if goal.id not in listed and goal.client:
+                yield GoalStatus(GoalID(goal.id, goal.stamp), goal.status)
+        for until, told in self._answered:
+            if now < until and told.goal.id not in listed:
+                yield told
+
+    def _halt(self) -> None:
+        """Keep the server from moving the robot while it has a goal that was stopped."""
+        why = next((goal.stopped for goal in self.goals if goal.stopped), "")
+        if why != self._halting:
+            self._halting = why
+            self.halted(self.server.node, why)
+
+    def _serves(self) -> bool:
+        """Tell whether the server is there, and hears us."""
+        node, result = self.server.node, self.server.empty_result
+        if not node or result is None:
+            return False
+        return self._ends.reaches(node) and self._parts.reaches_server(node)
+
+    def _is_server(self, peer: Peer) -> bool:
+        return peer.verified and any(names_node(s, peer.node) for s in self.stream.successors)
+
+    def _name_goal(self, now: int) -> bytes:
+        self._named += 1
+        return f"{self.nodes[0]}-{self._named}-{now // SECOND}.{now % SECOND:09}".encode()
+
+    def _complain(self, peer: Peer, why: str, _message: bytes = b"") -> None:
+        node = peer.node[:128]
+        if self._seldom.may_say("complaint", self._transport.now()):
+            log.warning("%s: %s: %s", self.name, node, why)
+
+
+def _roomy(stream: Stream) -> Stream:
+    """Let the queue have room for every flow's share, which is bounded before it."""
+    first, *others = stream.stages
+    size = stream.queue_size * (len(stream.flows) + 1)
+    first = replace(first, settings=replace(first.settings, queue_size=size))
+    return replace(stream, stages=(first, *others))
+
+
+def _said(goal: Goal) -> str:
+    return f"goal {goal.id.decode(errors='replace')[:128]!r} of {goal.client}"

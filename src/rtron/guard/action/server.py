@@ -1,0 +1,41 @@
+"""What an action's server says: whether it is there, which goals it has, what results look like."""
+
+from dataclasses import dataclass, field
+
+from rtron.errors import InputError
+from rtron.guard.transport.transport import TypeInfo
+from rtron.messages.actionlib import GoalStatus
+from rtron.messages.definition_text import parse_definition
+from rtron.messages.encoding import Encoding
+from rtron.messages.layout import zeros_size
+
+# A header without a frame, and a status without id and text: what every result begins with.
+_HEAD = 16 + 17
+
+
+@dataclass(slots=True)
+class Server:
+    """The server as far as it is known; `told` is its last status array, of time `at` (ns)."""
+
+    node: str = ""
+    told: bytes = b""
+    at: int = 0
+    listed: dict[bytes, GoalStatus] = field(default_factory=dict)
+    empty_result: bytes | None = None
+
+    def says(self, told: bytes, statuses: list[GoalStatus], now: int) -> None:
+        """Take a status array."""
+        self.told, self.at = told, now
+        self.listed = {status.goal.id: status for status in statuses}
+
+    def leave(self) -> None:
+        """Learn that the server is gone."""
+        self.node, self.told, self.listed = "", b"", {}
+
+    def learn_result(self, info: TypeInfo) -> None:
+        """Know how a result looks in which everything is 0 or empty; InputError if it cannot."""
+        definition = parse_definition(info.type, info.definition)
+        size = zeros_size(definition, Encoding.ROS1)
+        if size is None or size < _HEAD or definition.md5sum != info.md5sum:
+            raise InputError(f"{info.type} is no action's result")
+        self.empty_result = bytes(size - _HEAD)

@@ -1,0 +1,177 @@
+"""The goals of one action that are not over: whose they are, where they are, who may cancel them.
+
+Sans-I/O. A goal id is chosen by its client and known to everybody, so it proves nothing: a goal
+belongs to the client that brought it first, and only that client may cancel it. Bounded in number;
+what is over is remembered for a while, since a goal must not run twice.
+"""
+
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Generic, TypeVar
+
+from rtron.vocabulary import SECOND
+
+MOST_GOALS = 1024
+LONGEST_ID = 1024
+REMEMBERED = 4096
+AGAIN_AFTER = 5 * SECOND
+"""A client may use an id again so long after its goal was over, as with actionlib's own server."""
+_MOST_EARLY = 64
+_MOST_CLIENTS = 256
+_MOST_KEPT = 256
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+class Where(Enum):
+    """Where a goal is."""
+
+    WAITING = "with the guard"
+    SENT = "with the server"
+
+
+@dataclass(slots=True, eq=False)
+class Goal:
+    """A goal, whose it is, and since when it is where it is (ns).
+
+    `status` is what the server last said of it (actionlib_msgs/GoalStatus), and `seen` when.
+    `stopped` says why it was cancelled by the guard. A goal of the server's own, or one that was
+    there before us, has no client.
+    """
+
+    id: bytes
+    stamp: int
+    flow: str
+    client: str
+    message: bytes = b""
+    where: Where = Where.WAITING
+    seen: int = 0
+    status: int = 0
+    stopped: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Over:
+    """A goal that is over: whose it was and until when its id may not be used again (ns)."""
+
+    client: str
+    until: int
+
+
+class _Newest(Generic[K, V]):
+    """The entries that were set last, `most` of them."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._entries: OrderedDict[K, V] = OrderedDict()
+
+    def __contains__(self, key: K) -> bool:
+        return key in self._entries
+
+    def set(self, key: K, value: V) -> None:
+        self._entries.pop(key, None)
+        self._entries[key] = value
+        if len(self._entries) > self._most:
+            self._entries.popitem(last=False)
+
+    def get(self, key: K) -> V | None:
+        return self._entries.get(key)
+
+    def pop(self, key: K) -> V | None:
+        return self._entries.pop(key, None)
+
+    def last(self, most: int) -> list[tuple[K, V]]:
+        return list(self._entries.items())[-most:]
+
+
+class Goals:
+    """Who owns which goal of an action."""
+
+    def __init__(self) -> None:
+        self._goals: OrderedDict[bytes, Goal] = OrderedDict()
+        self._over: _Newest[bytes, _Over] = _Newest(REMEMBERED)
+        self._early: _Newest[tuple[str, bytes], int] = _Newest(_MOST_EARLY)
+        self._until: _Newest[str, int] = _Newest(_MOST_CLIENTS)
+
+    def __iter__(self) -> Iterator[Goal]:
+        return iter(tuple(self._goals.values()))
+
+    def __len__(self) -> int:
+        return len(self._goals)
+
+    def find(self, id: bytes) -> Goal | None:
+        """Return the goal that is called so and is not over."""
+        return self._goals.get(id)
+
+    def why_not(self, id: bytes, client: str, now: int) -> str:
+        """Return why a goal of `client` may not be called `id`, or nothing."""
+        if len(id) > LONGEST_ID:
+            return f"a goal id of {len(id)} bytes, the most is {LONGEST_ID}"
+        if id in self._goals:
+            return "another goal has this id"
+        over = self._over.get(id)
+        if over and (over.client != client or now < over.until):
+            return "a goal that is over had this id"
+        return f"{MOST_GOALS} goals are not over" if len(self._goals) >= MOST_GOALS else ""
+
+    def add(self, goal: Goal) -> None:
+        """Take a goal, of which `why_not` said nothing."""
+        self._goals[goal.id] = goal
+
+    def end(self, goal: Goal, now: int) -> None:
+        """Forget a goal that is over, but for its id."""
+        if self._goals.pop(goal.id, None):
+            self.remember(goal.id, goal.client, now)
+
+    def remember(self, id: bytes, client: str, now: int) -> None:
+        """Know that a goal is over."""
+        self._over.set(id, _Over(client, now + AGAIN_AFTER))
+
+    def is_over(self, id: bytes) -> bool:
+        """Tell whether a goal is known to be over."""
+        return id in self._over
+
+    def cancelled(self, client: str, id: bytes, stamp: int, now: int) -> list[Goal]:
+        """Return the goals that a cancel of `client` means, all of them its own.
+
+        As in actionlib: an id, or with a stamp all goals up to then, or with neither all goals.
+        What is meant and has not come yet is noted; see `came_cancelled`.
+        """
+        if stamp:
+            self._until.set(client, max(stamp, self._until.get(client) or 0))
+        if id and id not in self._goals:
+            self._early.set((client, id), now)
+        everything = not id and not stamp
+        own = (goal for goal in self if goal.client == client)
+        return [g for g in own if everything or g.id == id or (stamp and 0 < g.stamp <= stamp)]
+
+    def came_cancelled(self, goal: Goal, now: int) -> bool:
+        """Tell whether a goal that comes now was cancelled before it came."""
+        noted = self._early.pop((goal.client, goal.id))
+        meant = noted is not None and now - noted < AGAIN_AFTER
+        return meant or 0 < goal.stamp <= (self._until.get(goal.client) or 0)
+
+    def kept(self) -> Mapping[str, Any]:
+        """Return what a successor of this guard must know, as JSON."""
+        goals = [[_text(g.id), g.stamp, g.flow, g.client, g.where is Where.SENT] for g in self]
+        over = [[_text(id), over.client] for id, over in self._over.last(_MOST_KEPT)]
+        return {"goals": goals, "over": over}
+
+    def restore(self, kept: Mapping[str, Any], now: int) -> None:
+        """Take over from a guard that has ended."""
+        for id, client in kept["over"]:
+            self.remember(_bytes(id), client, now)
+        for id, stamp, flow, client, sent in kept["goals"]:
+            where = Where.SENT if sent else Where.WAITING
+            self.add(Goal(_bytes(id), stamp, flow, client, where=where, seen=now))
+
+
+def _text(id: bytes) -> str:
+    return id.decode("latin-1")
+
+
+def _bytes(text: str) -> bytes:
+    return text.encode("latin-1")
