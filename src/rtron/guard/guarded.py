@@ -1,9 +1,10 @@
 """One stream of the plan on a transport: its inputs, its pipeline and its outputs."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 from rtron.guard.ends import Ends
 from rtron.guard.override import Overridable
@@ -26,6 +27,9 @@ from rtron.vocabulary import (
     flow_topic,
     names_node,
 )
+
+if TYPE_CHECKING:
+    from rtron.guard.measuring.stream import MeasuredStream
 
 log = logging.getLogger(__name__)
 
@@ -53,12 +57,14 @@ class GuardedStream:
         self.told: Callable[[], None] = lambda: None
         self.strangers: dict[str, int] = {}
         self.dry_run = dry_run
+        self.measured: MeasuredStream | None = None
         self._transport = transport
         self._mission = senses.mission
         self._meets = _meets(stream)
         action = senses.actions.get(stream.topic)
         self._md5sum = action.md5sum if action else ""
         self._armed_for: int | None = None
+        self._braked_by: set[str] = set()
         self._state: tuple[str | None, str] = (None, "")
         self._ends = Ends(self.stream, self.nodes, transport)
 
@@ -80,10 +86,16 @@ class GuardedStream:
         self._ends.forget()
         self.attend(self._transport.now())
 
+    @property
+    def details(self) -> Mapping[str, str]:
+        """What there is to tell beside the flows."""
+        return {}
+
     def brake(self, by: str, why: str) -> None:
         """Let nothing pass and keep the robot stopped, until `by` releases it."""
         self.pipeline.bar(by, self.pipeline.tallies, why)
         self._learn_standard()
+        self._braked_by.add(by)
         self.stopper.brake(why, self._transport.now())
         self.attend(self._transport.now())
 
@@ -96,7 +108,9 @@ class GuardedStream:
     def release(self, by: str) -> None:
         """Let pass again what the policies let pass."""
         self.pipeline.free(by)
-        self.stopper.loosen()
+        self._braked_by.discard(by)
+        if not self._braked_by:
+            self.stopper.loosen()
         self.attend(self._transport.now())
 
     def attend(self, now: int) -> None:
@@ -124,14 +138,14 @@ class GuardedStream:
         if not self._learn(peer):
             return None
         self._ends.latch(flow.name, latching=peer.latching and self._keeps(peer))
-        return partial(self._receive, flow.name)
+        return self._taking(flow.name, peer)
 
     def _connect_public(self, peer: Peer) -> Receive | None:
         if self.stream.mode is Mode.OBSERVE:
             known = (f for f in self.stream.flows if names_node(f.publisher, peer.node))
             flow = next(known, None)
             if flow is not None:
-                return partial(self._receive, flow.name) if self._learn(peer) else None
+                return self._taking(flow.name, peer) if self._learn(peer) else None
         return self._stranger(peer, "under the public name")
 
     def _stranger(self, peer: Peer, where: str) -> Receive | None:
@@ -143,7 +157,11 @@ class GuardedStream:
         log.warning("%s: unapproved publisher %s %s", self.stream.topic, name, where)
         if self.dry_run and not self._ends.knows(peer.info):
             return None
-        return partial(self._receive, UNAPPROVED)
+        return self._taking(UNAPPROVED, peer)
+
+    def _taking(self, flow: str, peer: Peer) -> Receive:  # noqa: ARG002
+        """Return what takes the messages of a publisher."""
+        return partial(self._receive, flow)
 
     def _connect_done(self, peer: Peer) -> Receive | None:
         said_by_successor = any(names_node(each, peer.node) for each in self.stream.successors)
@@ -151,14 +169,16 @@ class GuardedStream:
 
     def _done(self, _message: bytes) -> None:
         now = self._transport.now()
+        if self.measured:
+            self.measured.done(now)
         self.pipeline.done(now)
         self._settle(now)
 
     def _keeps(self, peer: Peer) -> bool:
-        """Tell whether a late subscriber is told the last message: not if it is a velocity."""
+        """Tell whether a late subscriber is told the last message: only of what is a state."""
         first = self.stream.stages[0]
         if first.coordination is CoordinationKind.GRCN:
-            return first.settings.kind is not StreamKind.COMMAND
+            return first.settings.kind is StreamKind.STATE
         codec = codec_of(peer.info, self._transport.encoding)
         return codec is None or codec.is_limit
 
@@ -171,6 +191,8 @@ class GuardedStream:
         codec = codec_of(peer.info, self._transport.encoding)
         if codec:
             self.stopper.learn(codec)
+            if self.measured:
+                self.measured.learn(codec)
             for policy in self.overridable.values():
                 policy.learn(codec)
         return True
@@ -181,11 +203,13 @@ class GuardedStream:
         if info and not self.stopper.knows:
             self._learn(Peer("", info))
 
-    def _receive(self, flow: str, message: bytes) -> None:
+    def _receive(self, flow: str, message: bytes) -> Verdict | None:
         now = self._transport.now()
         if self.dry_run:
             self._ends.send(flow, message)
         verdict = self._judged(flow, message, now)
+        if self.measured:
+            self.measured.heard(flow, message, now, verdict)
         decision = verdict.decision if verdict else Decision.DROP
         if decision is Decision.HOLD:
             self._settle(now)
@@ -195,6 +219,7 @@ class GuardedStream:
             self._arm()
         if (self.pipeline.owner, self.stopper.why) != self._state:
             self._tell()
+        return verdict
 
     def _judged(self, flow: str, message: bytes, now: int) -> Verdict | None:
         try:
@@ -214,6 +239,8 @@ class GuardedStream:
 
     def _passed(self, flow: str, message: bytes, now: int) -> None:
         self.stopper.said(flow, message, now)
+        if self.measured:
+            self.measured.passed(message, now)
         self._say(flow, message)
         if flow in self._meets:
             self._mission.meet(self._meets[flow])
