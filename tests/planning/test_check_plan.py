@@ -110,10 +110,21 @@ def test_the_end_of_an_action_must_be_a_topic_of_the_app():
 
 
 def test_one_topic_of_an_action_should_not_be_enforced_alone():
-    cancel = next(grcn for grcn in PLAN.grcn if grcn.topic == "/move_base/cancel")
-    (problem,) = check_plan(replace(PLAN, grcn=(replace(cancel, mode=Mode.ENFORCE),)), HOME)
-    assert problem.level is Level.WARNING
-    assert "one topic of an action" in problem.message
+    goal = next(grcn for grcn in PLAN.grcn if grcn.topic == "/move_base/goal")
+    cancel = replace(goal, topic="/move_base/cancel", type="actionlib_msgs/GoalID")
+    assert [text for text in told_of(cancel) if "one topic of an action" in text]
+    *_, message = told_of(replace(goal, type=""))
+    assert message.endswith("guard its goals, and say their type, pkg/NameActionGoal")
+    assert told_of(goal) == []
+
+
+def told_of(grcn):
+    return [
+        each.message
+        for each in check_plan(
+            replace(PLAN, msrcn=None, rsrcn=None, fps_monitor=(), grcn=(grcn,)), HOME
+        )
+    ]
 
 
 def test_what_is_only_watched_is_checked_too():

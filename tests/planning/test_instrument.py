@@ -52,6 +52,40 @@ def said(instrumented):
     return [(found.what, found.accepted) for found in instrumented.unenforceable]
 
 
+def test_the_five_topics_of_an_action_move_together(guard):
+    nodes = "".join(map(NODE.format, "abs"))
+    action = grcn("/act/goal", ["/a", "/s"], ["/s"], type="p/GoActionGoal")
+    guarded = guard(nodes, plan_of(action))
+    moved = {}
+    for node, written, target in remaps(guarded):
+        moved.setdefault(node, {})[written] = target
+    private = "/rtron/act"
+    assert moved == {
+        "/a": {
+            "/act/goal": f"{private}/goal/flow1",
+            "/act/cancel": f"{private}/cancel/flow1",
+            "/act/status": f"{private}/status/out",
+            "/act/feedback": f"{private}/feedback/out",
+            "/act/result": f"{private}/result/out",
+        },
+        "/s": {
+            "/act/goal": f"{private}/goal/flow2",
+            "/act/cancel": f"{private}/cancel/flow2",
+            "/act/status": f"{private}/status/server",
+            "/act/feedback": f"{private}/feedback/server",
+            "/act/result": f"{private}/result/server",
+        },
+    }
+
+
+def test_a_server_that_gives_itself_no_goals_hears_the_private_outputs(guard):
+    action = grcn("/act/goal", ["/a"], ["/s"], type="p/GoActionGoal")
+    guarded = guard(NODE.format("s"), plan_of(action))
+    targets = {written: target for _, written, target in remaps(guarded)}
+    assert targets["/act/cancel"] == "/rtron/act/cancel/out"
+    assert targets["/act/result"] == "/rtron/act/result/server"
+
+
 def test_each_publisher_has_its_flow_and_each_successor_the_output(guard):
     nodes = "".join(map(NODE.format, "abc"))
     guarded = guard(nodes, plan_of(grcn(T, ["/a", "/b"], ["/c"])))

@@ -52,10 +52,10 @@ AUTORACE_PLAN = plan_of(AUTORACE)
 
 
 class TestHome:
-    def test_has_the_twelve_grcns_of_the_paper(self):
+    def test_has_the_twelve_grcns_of_the_paper_with_three_topics_of_one_action_as_one(self):
         domains = [grcn.domain for grcn in HOME_PLAN.grcn]
         counted = {domain: domains.count(domain) for domain in set(domains)}
-        assert counted == {Domain.PERCEPTION: 8, Domain.PLANNING: 3, Domain.CONTROL: 1}
+        assert counted == {Domain.PERCEPTION: 7, Domain.PLANNING: 2, Domain.CONTROL: 1}
 
     def test_navigation_drives_before_the_keyboard(self):
         grcn = grcn_of(HOME_PLAN, "/cmd_vel")
@@ -79,12 +79,12 @@ class TestHome:
         assert "/rviz" not in grcn_of(HOME_PLAN, "/camera/rgb/image_raw").successors
         assert "/rviz" not in grcn_of(HOME_PLAN, "/tf").successors
 
-    @pytest.mark.parametrize("part", ["goal", "cancel", "status"])
-    def test_one_topic_of_an_action_is_only_observed(self, part):
-        assert grcn_of(HOME_PLAN, f"/move_base/{part}").mode is Mode.OBSERVE
-
-    def test_cancels_never_wait(self):
-        assert grcn_of(HOME_PLAN, "/move_base/cancel").policy is PolicyName.BLOCK
+    def test_an_action_is_enforced_as_a_whole_by_its_goals(self):
+        grcn = grcn_of(HOME_PLAN, "/move_base/goal")
+        assert (grcn.mode, grcn.policy) == (Mode.ENFORCE, PolicyName.PRIORITY_QUEUE)
+        assert grcn.done == "/move_base/result"
+        parts = {"/move_base/cancel", "/move_base/status"}
+        assert parts.isdisjoint(grcn.topic for grcn in HOME_PLAN.grcn)
 
     def test_perception_is_observed(self):
         seen = [grcn for grcn in HOME_PLAN.grcn if grcn.domain is Domain.PERCEPTION]
@@ -111,10 +111,12 @@ class TestHome:
         events = {flow.topic for flow in msrcn.eflows}
         assert events == {"/objects", "/person_detector/detections", "/odom"}
         actions = {topic.topic for topic in msrcn.aflows}
-        assert actions == {"/cmd_vel", "/rosbot_audio/audio", "/move_base_simple/goal"}
+        paper = {"/cmd_vel", "/rosbot_audio/audio", "/move_base_simple/goal"}
+        assert actions == paper | {"/move_base/goal", "/explore_server/goal"}
         assert msrcn.mode is Mode.ENFORCE
         names = [flow.name for topic in msrcn.aflows for flow in topic.flows]
-        assert names == [f"aflow{number}" for number in range(1, 6)]
+        assert names == [f"aflow{number}" for number in range(1, len(names) + 1)]
+        assert len(names) == 9
 
     def test_an_event_is_seen_for_two_seconds_until_a_person_says_more(self):
         seen = {(flow.present, flow.silent, flow.when) for flow in HOME_PLAN.msrcn.eflows}
@@ -286,16 +288,26 @@ class TestGuards:
         assert msrcn.mode is Mode.OBSERVE
         assert [topic.topic for topic in msrcn.aflows] == ["/cmd_vel", "/move/goal"]
 
-    def test_an_enforcing_msrcn_takes_no_single_topic_of_an_action(self):
+    def test_an_enforcing_msrcn_takes_an_action_by_its_goals(self):
         text = shared("/cmd_vel", "geometry_msgs/Twist")
         text += "/a a own\n client /move p/Move\n/s s own\n server /move p/Move\n"
         msrcn = plan_of(graph_of("app", text)).msrcn
         assert msrcn.mode is Mode.ENFORCE
-        assert [topic.topic for topic in msrcn.aflows] == ["/cmd_vel"]
+        assert [topic.topic for topic in msrcn.aflows] == ["/cmd_vel", "/move/goal"]
+
+    def test_who_only_cancels_has_a_flow_too(self):
+        text = shared("/move/goal", "p/MoveActionGoal")
+        text += "/s s own\n server /move p/Move\n"
+        text += "/stop s own\n pub /move/cancel actionlib_msgs/GoalID\n"
+        grcn = grcn_of(plan_of(graph_of("app", text)), "/move/goal")
+        assert "/stop" in [flow.publisher for flow in grcn.flows]
+
+    def test_goals_of_unknown_type_are_only_observed(self):
+        graph = graph_of("app", shared("/move/goal", "p/T") + "/s s own\n server /move p/Move\n")
+        assert grcn_of(plan_of(graph), "/move/goal").mode is Mode.OBSERVE
 
     def test_an_action_is_known_by_its_five_topics_too(self):
-        text = shared("/move/goal", "p/MoveActionGoal")
-        graph = graph_of("app", text + "/s s own\n server /move p/Move\n")
+        graph = graph_of("app", shared("/move/goal", "p/T") + "/s s own\n server /move p/Move\n")
         ends = tuple(end for end in graph.endpoints if end.topic != "/move/result")
         assert grcn_of(plan_of(replace(graph, actions=())), "/move/goal").mode is Mode.OBSERVE
         four = replace(graph, actions=(), topics=(), endpoints=ends)

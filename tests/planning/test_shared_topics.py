@@ -269,3 +269,28 @@ def test_what_is_proposed_shares_its_topics_without_a_loss(graph):
     plan = propose_plan(graph, discover(graph))
     assert parse_plan(write_plan(plan)) == plan
     assert max(len(stream.stages) for stream in streams(plan)) > 1
+
+
+ACTION = """\
+grcn:
+  - topic: /act/goal
+    mode: {mode}
+    policy: FIFO_Queue
+    type: p/GoActionGoal
+    flows: [{{name: flow1, publisher: /a}}]
+    successors: [/s]
+  - topic: /act/{part}
+    mode: enforce
+    policy: Block
+    type: p/T
+    flows: [{{name: flow1, publisher: /a}}]
+    successors: [/s]
+"""
+
+
+@pytest.mark.parametrize("part", ["cancel", "status", "feedback", "result"])
+def test_what_moves_with_an_action_is_not_moved_alone(part):
+    with pytest.raises(PlanError, match=f"/act/{part} moves with /act/goal, which is guarded"):
+        parse_plan(ACTION.format(mode="enforce", part=part))
+    parse_plan(ACTION.format(mode="observe", part=part))
+    parse_plan(ACTION.format(mode="enforce", part="others"))

@@ -11,6 +11,7 @@ from rtron.planning.frames import is_per_frame
 from rtron.planning.problem import Level, Problem
 from rtron.vocabulary import (
     PRIVATE_ROOT,
+    ActionPart,
     EventFlow,
     Flow,
     FpsMonitor,
@@ -20,8 +21,10 @@ from rtron.vocabulary import (
     Mode,
     Plan,
     WatchedFlow,
+    action_of,
     names_node,
     normalise_type,
+    part_topic,
 )
 
 
@@ -71,6 +74,17 @@ class _Guard:
     type: str
     flows: Sequence[Flow]
     successors: Sequence[str]
+
+    @property
+    def action(self) -> str:
+        """The action that is guarded as a whole, or nothing."""
+        return action_of(self.topic, self.type)
+
+    def speakers(self, app: _App) -> tuple[str, ...]:
+        """Return the nodes that publish the topic; of an action also those that only cancel."""
+        cancels = part_topic(self.action, ActionPart.CANCEL) if self.action else self.topic
+        both = (*app.publishers(self.topic), *app.publishers(cancels))
+        return tuple(dict.fromkeys(both))
 
 
 def check_plan(plan: Plan, graph: InteractionGraph | None = None) -> tuple[Problem, ...]:
@@ -138,17 +152,22 @@ def _check_guard(guard: _Guard, app: _App) -> Iterator[Problem]:
         return
     yield from _check_type(guard.where, guard.topic, guard.type, app)
     for flow in guard.flows:
-        yield from _check_publisher(f"{guard.where}, {flow.name}", flow.publisher, guard.topic, app)
+        yield from _check_publisher(
+            f"{guard.where}, {flow.name}", flow.publisher, guard.topic, guard.speakers(app), app
+        )
     yield from _check_successors(guard, app)
     yield from _forgotten(guard, app)
-    if guard.mode is Mode.ENFORCE and guard.topic in app.actions:
+    if guard.mode is Mode.ENFORCE and guard.topic in app.actions and not guard.action:
         why = "an action's topics move together, this one alone would part client and server"
-        yield Problem(Level.WARNING, guard.where, f"{guard.topic} is one topic of an action: {why}")
+        help = "guard its goals, and say their type, pkg/NameActionGoal"
+        told = f"{guard.topic} is one topic of an action: {why}; {help}"
+        yield Problem(Level.WARNING, guard.where, told)
 
 
 def _check_watched(where: str, flow: WatchedFlow | EventFlow, app: _App) -> Iterator[Problem]:
     unknown = list(_check_topic(where, flow.topic, app))
-    yield from unknown or _check_publisher(where, flow.publisher, flow.topic, app)
+    publishers = app.publishers(flow.topic)
+    yield from unknown or _check_publisher(where, flow.publisher, flow.topic, publishers, app)
     if isinstance(flow, EventFlow):
         yield from _check_type(where, flow.topic, flow.type, app)
 
@@ -181,8 +200,9 @@ def _check_topic(where: str, topic: str, app: _App) -> Iterator[Problem]:
         )
 
 
-def _check_publisher(where: str, pattern: str, topic: str, app: _App) -> Iterator[Problem]:
-    publishers = app.publishers(topic)
+def _check_publisher(
+    where: str, pattern: str, topic: str, publishers: Sequence[str], app: _App
+) -> Iterator[Problem]:
     if any(names_node(pattern, node) for node in publishers):
         return
     if any(names_node(pattern, node) for node in app.nodes):
@@ -207,7 +227,7 @@ def _check_successors(guard: _Guard, app: _App) -> Iterator[Problem]:
 def _forgotten(guard: _Guard, app: _App) -> Iterator[Problem]:
     """Yield a warning for each end of the topic in the app that the plan does not name."""
     named = [flow.publisher for flow in guard.flows]
-    for node in _not_named(app.publishers(guard.topic), named):
+    for node in _not_named(guard.speakers(app), named):
         message = f"no flow names {node}, which publishes {guard.topic}: it counts as unapproved"
         yield Problem(Level.WARNING, guard.where, message)
     heard = app.subscribers(guard.topic) if guard.mode is Mode.ENFORCE else ()

@@ -17,6 +17,7 @@ from rtron.vocabulary import (
     PolicyName,
     Sharing,
     StreamKind,
+    action_of,
 )
 
 Numbered = TypeVar("Numbered", GRCN, FpsMonitor)
@@ -58,7 +59,8 @@ def _left_out(noun: type, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _grcn(values: Mapping[str, Any]) -> dict[str, Any]:
-    acts = values["policy"] is PolicyName.FIFO_QUEUE or values.get("done")
+    goals = action_of(values["topic"], values.get("type") or "")
+    acts = values["policy"] is PolicyName.FIFO_QUEUE or values.get("done") or goals
     return {
         "id": node_id("grcn", values["topic"]),
         "type": "",

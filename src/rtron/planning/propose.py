@@ -6,7 +6,7 @@ The defaults (paper sections 5.3 and 7.2):
 |-------------------------------------|---------|-------------------------------------------|
 | Control, contending                 | enforce | Preemption                                |
 | Planning, contending                | enforce | Priority_Queue, `done` where it is known  |
-| one of an action's topics           | observe | as above: an action moves as a whole      |
+| an action                           | as its goals | as above: its five topics are one    |
 | merging, Perception, Drivers, Others | observe | Block, no bit set                        |
 | nobody is known to publish or listen | observe | as above                                 |
 
@@ -14,12 +14,15 @@ Two kinds of topics have Block wherever they belong: cancels, because they never
 with at most one publisher, because there is nothing to arrange, only strangers to keep out.
 """
 
+from collections.abc import Collection
+
 from rtron.planning.derive import node_id, with_distinct_ids
 from rtron.planning.form import ANY, NODE, TOPIC
 from rtron.planning.guards import fps_monitors, propose_msrcn, propose_rsrcn
 from rtron.planning.problem import Level, Problem
 from rtron.planning.site import Site
 from rtron.vocabulary import (
+    ASKED,
     GRCN,
     SECOND,
     Domain,
@@ -32,6 +35,7 @@ from rtron.vocabulary import (
     RiskReport,
     Sharing,
     StreamKind,
+    part_topic,
 )
 
 # A goal that waited longer than this is no longer what its sender wants.
@@ -76,8 +80,17 @@ def left_out(graph: InteractionGraph, report: RiskReport) -> tuple[Problem, ...]
 
 def _risky(site: Site) -> list[str]:
     general = (RiskKind.GR_ST, RiskKind.GR_MT)
-    topics = {topic for r in site.report.risks if r.kind in general for topic in r.topics}
+    risky = {topic for r in site.report.risks if r.kind in general for topic in r.topics}
+    topics = {_unit(site, topic, risky) for topic in risky}
     return sorted(topics, key=lambda topic: (_ORDER.index(site.classify(topic).domain), topic))
+
+
+def _unit(site: Site, topic: str, risky: Collection[str]) -> str:
+    """Return what stands for a topic: of an action the goals, if goals or cancels are risky."""
+    goal = site.goal_of(topic)
+    action = goal.rpartition("/")[0]
+    asked = goal and any(part_topic(action, part) in risky for part in ASKED)
+    return goal if asked else topic
 
 
 def _grcn(site: Site, topic: str) -> GRCN:

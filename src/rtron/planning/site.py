@@ -8,6 +8,7 @@ from rtron.planning.actions import action_servers, action_topics, topics_of
 from rtron.planning.form import NODE, TOPIC, TYPE
 from rtron.planning.priorities import Ranking
 from rtron.vocabulary import (
+    ActionPart,
     Domain,
     InteractionGraph,
     Risk,
@@ -15,6 +16,8 @@ from rtron.vocabulary import (
     Role,
     Sharing,
     TopicClass,
+    action_of,
+    part_topic,
 )
 
 
@@ -49,9 +52,21 @@ class Site:
         """Yield the risks in which nodes play a role."""
         return (risk for risk in self.report.risks if role in risk.role_nodes)
 
+    def goal_of(self, topic: str) -> str:
+        """Return the goal topic of the action that a topic belongs to, or nothing.
+
+        Only where the type of the goals is known can the action be guarded as a whole.
+        """
+        goal = f"{topic.rpartition('/')[0]}/{ActionPart.GOAL}"
+        whole = topic in self.actions and self.can_guard(goal)
+        return goal if whole and action_of(goal, self.type_of(goal)) else ""
+
     def publishers(self, topic: str) -> list[str]:
-        """Return the nodes that publish a topic, the one that goes first at the front."""
-        nodes = {e.node for e in self.graph.publishers(topic)}
+        """Return the nodes that publish a topic, the one that goes first at the front.
+
+        Who cancels goals publishes them too: both are one way to the server.
+        """
+        nodes = {e.node for name in self._asked(topic) for e in self.graph.publishers(name)}
         return self._ranking.ordered(filter(NODE.fits, nodes))
 
     def successors(self, topic: str) -> tuple[str, ...]:
@@ -80,16 +95,24 @@ class Site:
     def can_enforce(self, topic: str) -> bool:
         """Tell whether standing in a topic's flow is a sound default.
 
-        Only contending topics of Planning and Control; not one topic of an action without the
-        others; and only where nodes are known to publish and to listen, each by its whole name,
-        since whom the plan does not name is stopped.
+        Only contending topics of Planning and Control; an action as a whole, by its goals; and
+        only where nodes are known to publish and to listen, each by its whole name, since whom the
+        plan does not name is stopped.
         """
         found = self.classify(topic)
         moves = found.domain in (Domain.PLANNING, Domain.CONTROL)
-        if not moves or found.sharing is Sharing.MERGE or topic in self.actions:
+        part = topic in self.actions and topic != self.goal_of(topic)
+        if not moves or found.sharing is Sharing.MERGE or part:
             return False
-        named = all(NODE.fits(e.node) for e in self.graph.publishers(topic))
+        asking = (e for name in self._asked(topic) for e in self.graph.publishers(name))
+        named = all(NODE.fits(e.node) for e in asking)
         return named and bool(self.publishers(topic) and self.successors(topic))
+
+    def _asked(self, topic: str) -> tuple[str, ...]:
+        """Return the topic, with that of the cancels if it is an action's goals."""
+        if not topic or topic != self.goal_of(topic):
+            return (topic,)
+        return (topic, part_topic(topic.rpartition("/")[0], ActionPart.CANCEL))
 
     @cached_property
     def _ranking(self) -> Ranking:

@@ -91,7 +91,7 @@ def _exits(
     """Yield the private output and the public name; strangers speak there where they may."""
     asked = topic.rpartition("/")[2] in ASKED if stream.action else True
     strangers = (ANYBODY,) if asked and not stream.block_unapproved else ()
-    moves = stream.stages[0].settings.kind is StreamKind.COMMAND
+    moves = stream.stages[0].settings.kind is StreamKind.COMMAND and not stream.action
     supervisor = (SUPERVISOR_NODE,) if moves else ()
     yield _planned(stream, output_topic(topic), (node, *supervisor), listeners)
     yield _planned(stream, topic, (node, *strangers), (ANYBODY,))

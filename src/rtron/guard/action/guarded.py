@@ -116,6 +116,10 @@ class GuardedAction(GuardedStream):
             "server": self.server.node if self._serves() else "not there",
         }
 
+    def _keeps(self, peer: Peer) -> bool:  # noqa: ARG002
+        """Keep no goal for late subscribers: what a server missed it must not do later."""
+        return False
+
     # What the guard before has left
 
     def _take_over(self, kept: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ from rtron.planning.coherence.flows import Misfit, repeated, same_topic
 from rtron.planning.coherence.grcn import grcn_misfits
 from rtron.planning.coherence.msrcn import msrcn_misfits
 from rtron.planning.coherence.rsrcn import rsrcn_misfits
-from rtron.planning.coherence.shared import shared_misfits
+from rtron.planning.coherence.shared import action_misfits, shared_misfits
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -30,6 +30,7 @@ def misfits(plan: Plan) -> Iterator[Misfit]:
     yield from rsrcn_misfits(plan)
     yield from msrcn_misfits(plan.msrcn) if plan.msrcn else ()
     yield from shared_misfits(plan)
+    yield from action_misfits(plan)
     yield from _types(plan)
     for message in repeated(plan.messages, lambda message: normalise_type(message.type)):
         yield message, "type", f"{message.type} has two definitions"

@@ -8,7 +8,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from rtron.planning.coherence.flows import MOST_FLOWS, Misfit
-from rtron.vocabulary import GRCN, Flow, GuardedTopic, Mode, Plan, names_node
+from rtron.vocabulary import (
+    GRCN,
+    ActionPart,
+    Flow,
+    GuardedTopic,
+    Mode,
+    Plan,
+    action_of,
+    names_node,
+    part_topic,
+)
 
 _FIRST_ONLY = ("silent_after", "on_silence", "on_error")
 _DEFAULT = Flow(name="", publisher="")
@@ -20,6 +30,23 @@ class _First:
 
     who: str
     noun: GRCN | GuardedTopic
+
+
+def action_misfits(plan: Plan) -> Iterator[Misfit]:
+    """Refuse an enforced topic that moves with an action's goals: it would be moved twice."""
+    enforced: list[GRCN | GuardedTopic] = [g for g in plan.grcn if g.mode is Mode.ENFORCE]
+    for _, mode, topics in _later(plan):
+        enforced += topics if mode is Mode.ENFORCE else ()
+    actions = {action_of(noun.topic, noun.type) for noun in enforced} - {""}
+    parts = {part_topic(action, part) for action in actions for part in ActionPart}
+    for noun in enforced:
+        if noun.topic in parts and not action_of(noun.topic, noun.type):
+            goal = f"{noun.topic.rpartition('/')[0]}/{ActionPart.GOAL}"
+            yield (
+                noun,
+                "topic",
+                f"{noun.topic} moves with {goal}, which is guarded: leave it out",
+            )
 
 
 def shared_misfits(plan: Plan) -> Iterator[Misfit]:

@@ -8,6 +8,9 @@ from rtron.errors import PlanError
 from rtron.planning.instrument.instrumented import PlacedRemap
 from rtron.planning.instrument.nodelets import manager_of
 from rtron.vocabulary import (
+    ANSWERED,
+    ASKED,
+    SERVER,
     Flow,
     LaunchNode,
     LaunchTree,
@@ -17,6 +20,7 @@ from rtron.vocabulary import (
     flow_topic,
     names_node,
     output_topic,
+    part_topic,
     streams,
 )
 
@@ -32,13 +36,24 @@ class Side:
     follows: bool
 
     @property
-    def private(self) -> str:
-        """The private topic that the node's end of the stream is moved to.
+    def private(self) -> Mapping[str, str]:
+        """The private topics that the node's ends of the stream are moved to, by the public ones.
 
         A node that publishes and follows has one name for both: the guard serves it on its flow.
         """
-        topic = self.stream.topic
+        action = self.stream.action
+        asked = [part_topic(action, part) for part in ASKED] if action else [self.stream.topic]
+        answered = [part_topic(action, part) for part in ANSWERED] if action else []
+        return {
+            **{topic: self._asked(topic) for topic in asked},
+            **{topic: self._answered(topic) for topic in answered},
+        }
+
+    def _asked(self, topic: str) -> str:
         return flow_topic(topic, self.flow.name) if self.flow else output_topic(topic)
+
+    def _answered(self, topic: str) -> str:
+        return flow_topic(topic, SERVER) if self.follows else output_topic(topic)
 
 
 Wiring = Mapping[LaunchNode, tuple[PlacedRemap, ...]]
@@ -90,7 +105,7 @@ def _remaps(node: LaunchNode, sides: tuple[Side, ...]) -> Iterator[PlacedRemap]:
     spelling, so that it is replaced; so are others of the same name, for which of two spellings
     counts depends on their order. A topic that the node's own remap takes elsewhere is left.
     """
-    private = {side.stream.topic: side.private for side in sides}
+    private = {topic: name for side in sides for topic, name in side.private.items()}
     taken = {remap.declared for remap in node.remaps}
     replaced = {remap.declared for remap in node.remaps if remap.target in private}
     for remap in node.remaps:
