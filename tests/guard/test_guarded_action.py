@@ -446,3 +446,89 @@ def test_the_next_guard_knows_whose_goals_there_are():
 
 def test_a_cancel_message_means_one_goal():
     assert read_cancel(cancel_message(b"x")) == GoalID(b"x", 0)
+
+
+# Goals without an id
+
+SIMPLE = "/act_simple/goal"
+POSE = TypeInfo("geometry_msgs/PoseStamped", "d3812c3cbc69362b77dc0b19b345f8f5")
+
+
+def simple_stream(**more):
+    queue = stage(
+        "grcn_simple", PolicyName.FIFO_QUEUE, FLOWS, StreamKind.ACTION, max_age=60 * SECOND
+    )
+    settings = {"topic": SIMPLE, "type": POSE.type, "successors": (SERVER,), "done": "/act/result"}
+    return stream(queue, flows=FLOWS, **settings | more)
+
+
+class Simple(Act):
+    """A guarded action whose server takes goals on /act_simple/goal, too."""
+
+    def __init__(self):
+        super().__init__(PolicyName.FIFO_QUEUE, simple_stream())
+        self.simple = self.transport.listen("/rtron/act_simple/goal/out")
+        self.serve()
+
+    def give(self, node, goal):
+        flow = next(f.name for f in FLOWS if f.publisher == node)
+        self.say(f"/rtron/act_simple/goal/{flow}", node, POSE, goal)
+
+
+def test_a_goal_without_an_id_is_done_when_the_goal_is_that_appeared_next():
+    act = Simple()
+    act.give(ONE, b"first")
+    act.give(TWO, b"second")
+    act.serve(*active(b"s1"))
+    act.finish(b"another")
+    assert act.simple == [b"first"]
+    act.finish(b"s1")
+    assert act.simple == [b"first", b"second"]
+    act.serve(GoalStatus(GoalID(b"s1", 0), SUCCEEDED), *active(b"s2"))
+    assert act.simple == [b"first", b"second"]
+
+
+def test_an_action_waits_while_a_goal_without_an_id_is_in_progress():
+    act = Simple()
+    act.give(ONE, b"first")
+    act.serve(*active(b"s1"))
+    act.ask(ONE, b"a")
+    assert act.started() == []
+    act.finish(b"s1")
+    assert act.started() == [b"a"]
+
+
+def test_a_block_cancels_the_goal_that_was_followed():
+    act = Simple()
+    act.give(ONE, b"first")
+    act.serve(*active(b"s1"))
+    act.host.guarded[1].pipeline.bar("a test", ["flow1"], "an area is closed")
+    act.host.attend()
+    act.host.attend()
+    assert [read_cancel(message).id for message in act.cancels] == [b"s1"]
+
+
+def test_without_a_guarded_action_the_public_topics_tell():
+    transport = MemoryTransport()
+    host = Host(transport, [simple_stream()])
+    host.open()
+    out, cancels = transport.listen("/rtron/act_simple/goal/out"), transport.listen("/act/cancel")
+    give = transport.publisher("/rtron/act_simple/goal/flow1", Peer(ONE, POSE))
+    tell = transport.publisher("/act/status", Peer(SERVER, STATUSES))
+    end = transport.publisher("/act/result", Peer(SERVER, RESULT))
+    tell(status_message(*active(b"old")))
+    give(b"first")
+    give(b"second")
+    tell(status_message(*active(b"old", b"s1")))
+    end(result_message(0, GoalStatus(GoalID(b"old", 0), SUCCEEDED), b""))
+    tell(framed(bytes(3)))
+    assert out == [b"first"]
+    tell(status_message(GoalStatus(GoalID(b"s1", 0), SUCCEEDED)))
+    assert out == [b"first", b"second"]
+    end(result_message(0, GoalStatus(GoalID(b"quick", 0), SUCCEEDED), b""))
+    give(b"third")
+    assert out == [b"first", b"second", b"third"]
+    tell(status_message(*active(b"s3")))
+    host.guarded[0].pipeline.bar("a test", ["flow1"], "an area is closed")
+    host.attend()
+    assert [read_cancel(message).id for message in cancels] == [b"s3"]

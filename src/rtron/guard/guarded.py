@@ -11,8 +11,9 @@ from rtron.guard.override import Overridable
 from rtron.guard.pipeline import Pipeline
 from rtron.guard.senses import Senses
 from rtron.guard.stages import policies_of
+from rtron.guard.starvation import end_starved
 from rtron.guard.stopper import Stopper
-from rtron.guard.transport.transport import Peer, Receive, Transport
+from rtron.guard.transport.transport import Peer, Receive, Transport, TypeInfo
 from rtron.guard.types import codec_of, standard_info
 from rtron.vocabulary import (
     PRIVATE_ROOT,
@@ -76,6 +77,15 @@ class GuardedStream:
                 topic = flow_topic(self.stream.topic, flow.name)
                 self._subscribe(topic, partial(self._connect_flow, flow), self.stream.type)
         self._subscribe(self.stream.topic, self._connect_public, self.stream.type)
+        self._open_done()
+
+    def report(
+        self, learned: Callable[[TypeInfo], None], sent: Callable[[str, bytes], None]
+    ) -> None:
+        """Tell from now on which type was learned, and each message that goes out."""
+        self._ends.report(learned, sent)
+
+    def _open_done(self) -> None:
         if self.stream.done:
             self._subscribe(self.stream.done, self._connect_done, "")
 
@@ -224,6 +234,8 @@ class GuardedStream:
     def _judged(self, flow: str, message: bytes, now: int) -> Verdict | None:
         try:
             return self.pipeline.receive(flow, message, now)
+        except MemoryError:
+            end_starved()
         except Exception:
             log.exception("%s: internal error, a message of %s is dropped", self.stream.topic, flow)
             self.stopper.refuse("internal error", now)
@@ -284,6 +296,8 @@ class GuardedStream:
         self.stopper.tick(now)
         try:
             self.pipeline.tick(now)
+        except MemoryError:
+            end_starved()
         except Exception:
             log.exception("%s: internal error, what was held is lost", self.stream.topic)
 

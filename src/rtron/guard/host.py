@@ -5,6 +5,7 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
+from rtron.guard.action.followed import FollowedStream, followed_action
 from rtron.guard.action.guarded import GuardedAction
 from rtron.guard.alarms import Alarms
 from rtron.guard.guarded import GuardedStream
@@ -53,6 +54,7 @@ class Host:
         self._dry_run = dry_run
         self._will = will or Will()
         self.guarded = [self._guarded(stream) for stream in streams]
+        self._follow()
         self._watching = Watching(transport, self.senses, _ways(streams), self._heard)
         self._attending = False
         self._seldom = Seldom()
@@ -92,13 +94,22 @@ class Host:
         return [*statuses(self.guarded, self.senses, now), *alarm_statuses(self.alarms, now)]
 
     def _guarded(self, stream: Stream) -> GuardedStream:
-        if not stream.action or stream.mode is not Mode.ENFORCE:
-            return GuardedStream(stream, self._transport, self.senses, dry_run=self._dry_run)
-        action = GuardedAction(
-            stream, self._transport, self.senses, self._will, dry_run=self._dry_run
-        )
-        action.halted = partial(self._halted, action)
-        return action
+        common = (stream, self._transport, self.senses)
+        if stream.mode is Mode.ENFORCE and stream.action:
+            action = GuardedAction(*common, self._will, dry_run=self._dry_run)
+            action.halted = partial(self._halted, action)
+            return action
+        if stream.mode is Mode.ENFORCE and followed_action(stream):
+            return FollowedStream(*common, dry_run=self._dry_run)
+        return GuardedStream(*common, dry_run=self._dry_run)
+
+    def _follow(self) -> None:
+        """Let goals without an id be followed where their action is guarded too."""
+        actions = {each.name: each for each in self.guarded if isinstance(each, GuardedAction)}
+        for each in self.guarded:
+            action = actions.get(followed_action(each.stream))
+            if isinstance(each, FollowedStream) and action:
+                each.follow(action)
 
     def _halted(self, action: GuardedAction, node: str, why: str) -> None:
         """Keep the server of a goal that was stopped from moving the robot, until it is over."""

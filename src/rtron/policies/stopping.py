@@ -138,6 +138,11 @@ class Stopping:
         """Let the stop end as any other."""
         self._braked = False
 
+    def interrupt(self) -> None:
+        """Somebody else has stopped the robot: it may be at rest, as after a release."""
+        if self._machine.state is State.MOVING:
+            self._machine.step(Input.RELEASED)
+
     def tick(self, now: int) -> Velocity | None:
         """Return the velocity that goes out at `now`, if one is due."""
         if self._machine.state is State.MOVING and now >= self._spoke + self._flow.silent_after:

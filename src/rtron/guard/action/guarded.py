@@ -45,6 +45,7 @@ from rtron.vocabulary import (
     Stream,
     Verdict,
     names_node,
+    part_topic,
 )
 
 log = logging.getLogger(__name__)
@@ -71,6 +72,8 @@ class GuardedAction(GuardedStream):
         super().__init__(_roomy(stream), transport, senses, dry_run=dry_run)
         self.goals = Goals()
         self.server = Server()
+        self.appeared: list[Callable[[bytes], None]] = []
+        self.ended: list[Callable[[bytes], None]] = []
         self.halted: Callable[[str, str], None] = lambda node, why: None
         self.pipeline.gave_up = self._gave_up
         self._parts = ActionEnds(self.stream, self.nodes[0], transport, self)
@@ -96,11 +99,21 @@ class GuardedAction(GuardedStream):
         super().attend(now)
         for goal in () if self.dry_run else self.goals:
             if goal.where is Where.SENT and not goal.stopped and goal.flow in self.pipeline.tallies:
-                goal.stopped = self.pipeline.refusal(goal.flow, now, goal.message or None)
-                if goal.stopped:
-                    log.warning("%s: %s is cancelled: %s", self.name, _said(goal), goal.stopped)
-                    self._parts.cancel(cancel_message(goal.id))
+                self._stop(goal, self.pipeline.refusal(goal.flow, now, goal.message or None))
         self._halt()
+
+    def stop(self, id: bytes, why: str) -> None:
+        """Cancel a goal of the server's own, and stop what it moves."""
+        goal = self.goals.find(id)
+        if goal:
+            self._stop(goal, why)
+            self._halt()
+
+    def _stop(self, goal: Goal, why: str) -> None:
+        goal.stopped = why
+        if why:
+            log.warning("%s: %s is cancelled: %s", self.name, _said(goal), why)
+            self._parts.cancel(cancel_message(goal.id))
 
     @property
     def name(self) -> str:
@@ -119,6 +132,11 @@ class GuardedAction(GuardedStream):
     def _keeps(self, peer: Peer) -> bool:  # noqa: ARG002
         """Keep no goal for late subscribers: what a server missed it must not do later."""
         return False
+
+    def _open_done(self) -> None:
+        """Know that a goal is done from its own result, whatever else the plan names."""
+        if self.stream.done != part_topic(self.name, ActionPart.RESULT):
+            super()._open_done()
 
     # What the guard before has left
 
@@ -281,7 +299,7 @@ class GuardedAction(GuardedStream):
         if status.over:
             self._turn_over(goal)
             if not goal.client:
-                self.goals.end(goal, now)
+                self._end(goal, now)
 
     def _own_goal(self, message: bytes) -> None:
         """Take notice of a goal that the server gives itself, as move_base does."""
@@ -297,18 +315,28 @@ class GuardedAction(GuardedStream):
         self._current = goal
         self.pipeline.occupy(SERVER, now)
         self._keep()
+        for appeared in self.appeared:
+            appeared(asked.id)
         return goal
+
+    def _end(self, goal: Goal, now: int) -> None:
+        self.goals.end(goal, now)
+        for ended in self.ended:
+            ended(goal.id)
+        self._keep()
 
     def _result(self, message: bytes) -> None:
         now = self._transport.now()
         id = read_result(message).goal.id
+        if self.measured:
+            self.measured.finished(id, now)
         goal = self.goals.find(id)
         if goal is None and self.goals.is_over(id):
             return
         if goal is None:
             self.goals.remember(id, "", now)
         else:
-            self.goals.end(goal, now)
+            self._end(goal, now)
         self._parts.answer(ActionPart.RESULT, message)
         if goal:
             self._turn_over(goal)
@@ -336,8 +364,7 @@ class GuardedAction(GuardedStream):
     def _answer(self, goal: Goal, status: int, why: str) -> None:
         """End a goal in the server's place."""
         now = self._transport.now()
-        self.goals.end(goal, now)
-        self._keep()
+        self._end(goal, now)
         if not goal.client or self.dry_run:
             return
         log.info("%s: %s: %s", self.name, _said(goal), why)

@@ -1,0 +1,112 @@
+"""Goals without an id, as on `move_base_simple/goal`: followed to the goal that appears next."""
+
+import logging
+from collections.abc import Callable
+from typing import TypeVar
+
+from rtron.errors import WireError
+from rtron.guard.action.guarded import GuardedAction
+from rtron.guard.guarded import GuardedStream
+from rtron.guard.seldom import Seldom
+from rtron.guard.senses import Senses
+from rtron.guard.transport.transport import Output, Peer, Receive, Transport
+from rtron.guard.types import standard_info
+from rtron.messages.actionlib import cancel_message, read_result, read_statuses
+from rtron.policies.following import Following
+from rtron.vocabulary import ActionPart, Stream, normalise_type, part_topic
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+_CANCEL, _STATUS = "actionlib_msgs/GoalID", "actionlib_msgs/GoalStatusArray"
+
+
+def followed_action(stream: Stream) -> str:
+    """Return the action whose result tells that a goal of the stream is done, or nothing."""
+    if stream.action or not stream.done or not stream.done.endswith("/result"):
+        return ""
+    return stream.done.removesuffix("/result")
+
+
+class FollowedStream(GuardedStream):
+    """A guarded stream whose messages become goals of an action that has a guard or has none."""
+
+    def __init__(
+        self, stream: Stream, transport: Transport, senses: Senses, *, dry_run: bool = False
+    ) -> None:
+        super().__init__(stream, transport, senses, dry_run=dry_run)
+        self._following = Following()
+        self._guarded: GuardedAction | None = None
+        self._cancels: Output | None = None
+        self._seldom = Seldom()
+
+    def follow(self, action: GuardedAction) -> None:
+        """Hear of goals from the guard of the action, which nobody else hears first."""
+        self._guarded = action
+        action.appeared.append(self._following.appears)
+        action.ended.append(self._ended)
+
+    def attend(self, now: int) -> None:
+        """Cancel the goal in progress if what asked for it may not go on."""
+        super().attend(now)
+        goal, flow = self._following.goal, self._following.flow
+        if goal is not None and not self.dry_run and (why := self.pipeline.refusal(flow, now)):
+            self._following.goal = None
+            log.warning("%s: goal %r is cancelled: %s", self.stream.topic, goal[:128], why)
+            self._cancel(goal, why)
+
+    def _cancel(self, goal: bytes, why: str) -> None:
+        if self._guarded:
+            self._guarded.stop(goal, why)
+        elif self._cancels:
+            self._cancels.publish(cancel_message(goal))
+
+    def _open_done(self) -> None:
+        if self._guarded:
+            return
+        super()._open_done()
+        action = followed_action(self.stream)
+        status = part_topic(action, ActionPart.STATUS)
+        self._transport.subscribe(self.nodes[0], status, _STATUS, self._connect_status)
+        topic = part_topic(action, ActionPart.CANCEL)
+        info = standard_info(_CANCEL, self._transport.encoding)
+        self._cancels = self._transport.advertise(self.nodes[0], topic, _CANCEL)
+        if info:
+            self._cancels.learn(info)
+
+    def _connect_done(self, peer: Peer) -> Receive | None:
+        take = super()._connect_done(peer)
+        is_result = normalise_type(peer.info.type).endswith("ActionResult")
+        return self._result if take and is_result else take
+
+    def _connect_status(self, peer: Peer) -> Receive | None:
+        return self._status if super()._connect_done(peer) else None
+
+    def _passed(self, flow: str, message: bytes, now: int) -> None:
+        super()._passed(flow, message, now)
+        self._following.said(flow)
+
+    def _status(self, message: bytes) -> None:
+        statuses = self._read(read_statuses, message) or []
+        self._following.sees(status.goal.id for status in statuses)
+        for status in statuses:
+            if status.over:
+                self._ended(status.goal.id)
+
+    def _result(self, message: bytes) -> None:
+        result = self._read(read_result, message)
+        if result:
+            self._ended(result.goal.id)
+
+    def _read(self, read: Callable[[bytes], T], message: bytes) -> T | None:
+        try:
+            return read(message)
+        except WireError as error:
+            if self._seldom.may_say("unreadable", self._transport.now()):
+                log.warning("%s: what the action says cannot be read: %s", self.stream.topic, error)
+            return None
+
+    def _ended(self, id: bytes) -> None:
+        if self._following.over(id):
+            self._done(b"")
