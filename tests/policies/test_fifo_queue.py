@@ -198,3 +198,58 @@ def test_closing_gives_up_everything():
     assert run.close() == [(1, DROP), (2, DROP)]
     assert run.left[-1][2].reason == "the queue was closed"
     assert run.close() == []
+
+
+# What is beside the messages
+
+
+@pytest.mark.parametrize("flow", [LOW, "nobody that the plan names"])
+def test_what_began_elsewhere_has_the_turn_until_it_is_done(flow):
+    run = actions(max_hold=10**9)
+    effects = watch_effects(run.policy)
+    run.policy.occupy(flow, run.now)
+    assert run.policy.owner == flow
+    run.play([(1, HIGH)])
+    assert run.verdicts[0].reason == f"{flow} has the output"
+    run.policy.occupy(flow, run.now)
+    run.do(DONE)
+    assert run.tick() == [(0, PASS)]
+    assert effects[:3] == [Effect.NOTHING, Effect.HOLD, Effect.NOTHING]
+
+
+@pytest.mark.parametrize(("late", "left"), [(-1, []), (0, [(0, PASS)])])
+def test_what_began_elsewhere_is_overdue_like_any_other(late, left):
+    run = actions()
+    run.policy.occupy(MIDDLE, run.now)
+    run.play([(1, HIGH)])
+    run.wait(MIDDLE_TIMEOUT - 1 + late)
+    assert run.tick() == left
+
+
+def test_a_message_that_is_withdrawn_leaves_at_the_next_tick():
+    run = actions().play([(0, LOW), (1, HIGH), (1, HIGH)])
+    first, second = (message for message in run.messages if message.flow == HIGH)
+    run.policy.withdraw(first, "its client cancelled it")
+    assert run.policy.deadline() == run.now
+    assert run.tick() == [(1, DROP)]
+    assert run.left[-1][2].reason == "its client cancelled it"
+    run.policy.withdraw(first, "once more")
+    run.policy.withdraw(run.messages[0], "it does not wait")
+    assert run.tick() == []
+    run.do(DONE)
+    assert run.tick() == [(2, PASS)]
+    run.policy.withdraw(second, "it has gone")
+    assert run.tick() == []
+
+
+def test_only_the_very_object_is_withdrawn():
+    """Two clients may say the same."""
+    policy = actions().policy
+    first, second = bytes([1, 2]), bytes([1, 2])
+    policy.verdict(LOW, b"", 0)
+    policy.verdict(LOW, first, 1)
+    policy.verdict(HIGH, second, 2)
+    policy.withdraw(second, "cancelled")
+    (left,) = policy.tick(3)
+    assert left.message is second
+    assert left.verdict.flow == HIGH

@@ -247,6 +247,40 @@ def test_zeros_are_repeated_for_their_time(at, over):
     assert (made.why == "") is over
 
 
+@pytest.mark.parametrize("before", ["resting", "moving", "released", "stopping"])
+def test_the_brake_holds_until_it_is_loosened_and_then_ends_as_any_stop(before):
+    made = {
+        "resting": stopping,
+        "moving": moving,
+        "released": lambda: moving(flow=RELEASING),
+        "stopping": moving,
+    }[before]()
+    if before == "released":
+        made.tick(SILENT)
+    if before == "stopping":
+        made.refuse("blocked", SILENT)
+    made.brake("a foreign publisher", SILENT)
+    assert made.why == ("blocked" if before == "stopping" else "a foreign publisher")
+    assert made.stops == 1
+    end = SILENT + RAMP + 10 * REPEAT
+    sent = wave(made, until=end)
+    ramped = before in ("moving", "stopping")
+    assert sent[0][1].moves is ramped
+    assert not sent[-1][1].moves
+    assert sent[-1][0] > end - 2 * PERIOD
+    made.loosen()
+    assert made.tick(made.deadline()) is None
+    assert (made.deadline(), made.why, state(made)) == (None, "", State.RESTING)
+
+
+def test_a_brake_that_is_loosened_early_lets_the_wave_end_in_its_time():
+    made = moving()
+    made.brake("a foreign publisher", 0)
+    made.loosen()
+    assert made.tick(RAMP + REPEAT - 1) is not None
+    assert made.tick(RAMP + REPEAT - 1 + PERIOD) is None
+
+
 speeds = st.sampled_from([0.0, -0.0, 1e-9, 0.1, 1.0, 5.0, -1.0, 1e308]) | st.floats(-20, 20)
 velocities = st.builds(
     lambda parts: Velocity(tuple(parts[:3]), tuple(parts[3:])),

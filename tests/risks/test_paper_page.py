@@ -9,7 +9,7 @@ from home import HOME
 
 from rtron.planning import propose_plan
 from rtron.risks import default_lists, discover
-from rtron.vocabulary import Domain, Role
+from rtron.vocabulary import Domain, RiskKind, Role
 
 PAGE = (Path(__file__).parents[2] / "docs" / "paper.md").read_text(encoding="utf-8")
 APPS = {"Home": HOME, "AutoRace": AUTORACE}
@@ -34,9 +34,20 @@ def test_the_numbers_of_coordination_nodes(app):
 
 @pytest.mark.parametrize("domain", ["Perception", "Planning", "Control"])
 def test_the_topics_of_the_grcns_of_home(domain):
-    plan = propose_plan(HOME, REPORTS["Home"])
-    topics = sorted(grcn.topic for grcn in plan.grcn if grcn.domain.value == domain)
+    report = REPORTS["Home"]
+    general = (RiskKind.GR_ST, RiskKind.GR_MT)
+    risky = {topic for risk in report.risks if risk.kind in general for topic in risk.topics}
+    topics = [t for t in sorted(risky) if report.topic_classes[t].domain.value == domain]
     assert (domain, code(topics)) in ROWS
+
+
+def test_the_plan_has_a_grcn_for_each_but_one_for_an_action():
+    report = REPORTS["Home"]
+    guarded = {grcn.topic for grcn in propose_plan(HOME, report).grcn}
+    rows = [row for row in ROWS if len(row) == 2]
+    named = {topic for _, topics in rows for topic in re.findall("`(/.+?)`", topics)}
+    assert named - guarded == {"/move_base/cancel", "/move_base/status"}
+    assert guarded <= named
 
 
 def test_all_fifteen_examples_stand_in_the_table():

@@ -1,0 +1,134 @@
+"""Who may publish and hear what: from a plan to its topics."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from rtron.vocabulary import (
+    MSRCN,
+    RSRCN,
+    SUPERVISOR_NODE,
+    Flow,
+    GuardedTopic,
+    Mode,
+    PolicyName,
+    StreamKind,
+    action_of,
+    part_topic,
+    planned_topics,
+    stage_nodes,
+    streams,
+)
+
+sys.path.append(str(Path(__file__).parents[1] / "ros1"))
+from plans import grcn, plan_of
+
+T, NODE = "/cmd_vel", "/rtron/grcn_cmd_vel"
+GOAL = {"type": "p/GoActionGoal", "kind": StreamKind.ACTION}
+
+
+def planned(*grcns, **more):
+    made = {each.topic: each for each in planned_topics(plan_of(*grcns, **more))}
+    return {topic: (each.publishers, each.subscribers) for topic, each in made.items()}
+
+
+def test_a_velocity_comes_from_the_flows_and_goes_out_by_guard_or_supervisor():
+    assert planned(grcn(T, ["/nav", "/joy_*"], ["/base"])) == {
+        "/rtron/cmd_vel/flow1": (("/nav",), (NODE,)),
+        "/rtron/cmd_vel/flow2": (("/joy_*",), (NODE,)),
+        "/rtron/cmd_vel/out": ((NODE, SUPERVISOR_NODE), ("/base",)),
+        T: ((NODE,), ("*",)),
+    }
+
+
+def test_the_supervisor_stops_only_what_is_a_command():
+    state = planned(grcn(T, ["/nav"], ["/base"], kind=StreamKind.STATE))
+    assert state["/rtron/cmd_vel/out"] == ((NODE,), ("/base",))
+
+
+def test_where_strangers_may_speak_anybody_publishes_the_public_name():
+    assert planned(grcn(T, ["/nav"], ["/base"], block_unapproved=False))[T] == ((NODE, "*"), ("*",))
+
+
+def test_a_node_that_hears_its_own_topic_is_spoken_to_on_its_flow():
+    found = planned(grcn(T, ["/nav", "/both"], ["/both"]))
+    assert found["/rtron/cmd_vel/flow1"] == (("/nav",), (NODE,))
+    assert found["/rtron/cmd_vel/flow2"] == (("/both", NODE), (NODE, "/both"))
+
+
+def test_what_is_only_observed_is_free():
+    assert planned(grcn(T, ["/nav"], ["/base"], mode=Mode.OBSERVE)) == {}
+
+
+def test_stages_are_joined_and_the_last_one_speaks():
+    topic = GuardedTopic(topic=T, type="", flows=(Flow(name="v1", publisher="/nav"),))
+    more = {
+        "msrcn": MSRCN(id="msrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, aflows=(topic,)),
+        "rsrcn": RSRCN(id="rsrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, vflows=(topic,)),
+    }
+    plan = plan_of(grcn(T, ["/nav"], ["/base"]), **more)
+    (stream,) = streams(plan)
+    assert stage_nodes(stream) == (NODE, "/rtron/msrcn", "/rtron/rsrcn")
+    found = planned(grcn(T, ["/nav"], ["/base"]), **more)
+    assert found["/rtron/cmd_vel/grcn_cmd_vel"] == ((NODE,), ("/rtron/msrcn",))
+    assert found["/rtron/cmd_vel/msrcn"] == (("/rtron/msrcn",), ("/rtron/rsrcn",))
+    assert found["/rtron/cmd_vel/flow1"] == (("/nav",), (NODE,))
+    assert found["/rtron/cmd_vel/out"] == (("/rtron/rsrcn", SUPERVISOR_NODE), ("/base",))
+
+
+def test_an_action_has_five_topics_and_one_node_that_faces_the_clients():
+    found = planned(grcn("/act/goal", ["/one", "/two"], ["/server"], **GOAL))
+    node = "/rtron/grcn_act_goal"
+    for part in ("goal", "cancel"):
+        assert found[f"/rtron/act/{part}/flow1"] == (("/one",), (node,))
+        assert found[f"/rtron/act/{part}/out"] == ((node,), ("/server",))
+    for part in ("status", "feedback", "result"):
+        assert found[f"/rtron/act/{part}/server"] == (("/server",), (node,))
+        assert found[f"/rtron/act/{part}/out"] == ((node,), ("/one", "/two"))
+        assert found[f"/act/{part}"] == ((node,), ("*",))
+    assert len(found) == 5 * 4 - 3 + 0
+
+
+@pytest.mark.parametrize(("part", "free"), [("goal", True), ("cancel", True), ("result", False)])
+def test_strangers_that_may_speak_ask_and_never_answer(part, free):
+    found = planned(grcn("/act/goal", ["/one"], ["/server"], block_unapproved=False, **GOAL))
+    publishers, _ = found[f"/act/{part}"]
+    assert ("*" in publishers) is free
+
+
+def test_every_topic_stands_there_once_and_knows_its_stream():
+    plan = plan_of(grcn(T, ["/nav"], ["/base"]), grcn("/act/goal", ["/one"], ["/server"], **GOAL))
+    topics = planned_topics(plan)
+    assert len({each.topic for each in topics}) == len(topics)
+    assert {each.guarded for each in topics} == {T, "/act/goal"}
+
+
+def test_names_may_be_patterns():
+    output = next(t for t in planned_topics(plan_of(grcn(T, ["/n"], ["/b_*"]))) if "out" in t.topic)
+    assert output.may_publish(NODE)
+    assert output.may_publish(SUPERVISOR_NODE)
+    assert not output.may_publish("/n")
+    assert output.may_subscribe("/b_1")
+    assert not output.may_subscribe("/c_1")
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "action"),
+    [
+        ("/a/goal", "p/XActionGoal", "/a"),
+        ("/a/goal", "p/msg/XActionGoal", "/a"),
+        ("/a/goal", "p/XAction", ""),
+        ("/a/goals", "p/XActionGoal", ""),
+        ("/a/result", "p/XActionResult", ""),
+        ("/a/goal", "", ""),
+    ],
+)
+def test_an_action_is_known_by_its_goals(topic, type, action):
+    assert action_of(topic, type) == action
+    (stream,) = streams(plan_of(grcn(topic, ["/n"], ["/b"], type=type)))
+    assert stream.action == action
+
+
+def test_the_topics_of_an_action_lie_below_it():
+    assert part_topic("/a", "cancel") == "/a/cancel"
