@@ -3,10 +3,13 @@
 import struct
 
 import pytest
+from plans import grcn, plan_of
 from streams import stage, stream
 
 from rtron.guard.action.guarded import LOST_AFTER
 from rtron.guard.host import Host
+from rtron.guard.recorded import Recorded
+from rtron.guard.replay import Player
 from rtron.guard.transport.memory import MemoryTransport
 from rtron.guard.transport.transport import Peer, TypeInfo
 from rtron.guard.types import standard_info
@@ -442,6 +445,31 @@ def test_the_next_guard_knows_whose_goals_there_are():
     assert (b"b", RECALLED) in again.answers()
     again.finish(b"a", PREEMPTED)
     assert again.started() == [b"c"]
+
+
+def test_a_recording_of_the_app_without_a_guard_is_judged_as_a_whole():
+    act = Act()
+    goal, cancel, result = (
+        Recorded(f"/act/{part}", info.type, info.md5sum, info.definition, node)
+        for part, info, node in (
+            ("goal", GOAL, ONE),
+            ("cancel", CANCEL, ONE),
+            ("result", RESULT, SERVER),
+        )
+    )
+    rows = [
+        (goal, goal_message(b"a")),
+        (goal, goal_message(b"b")),
+        (goal, goal_message(b"c")),
+        (cancel, cancel_of(b"b")),
+        (result, result_message(0, GoalStatus(GoalID(b"a", 0), SUCCEEDED), bytes(8))),
+    ]
+    flows = tuple(act.stream.flows[:1])
+    settings = {"type": GOAL_TYPE, "kind": StreamKind.ACTION, "policy": PolicyName.FIFO_QUEUE}
+    plan = plan_of(grcn("/act/goal", (), [SERVER], flows=flows, max_age=60 * SECOND, **settings))
+    found = Player(plan).play(((n, *row) for n, row in enumerate(rows)), lambda _: None)
+    ((count, _),) = (stream.flows for stream in found.streams)
+    assert (count.passed, count.held, count.dropped) == (2, 2, 1)
 
 
 def test_a_cancel_message_means_one_goal():

@@ -1,9 +1,7 @@
 """Who may publish and hear what: from a plan to its topics."""
 
-import sys
-from pathlib import Path
-
 import pytest
+from plans import grcn, plan_of
 
 from rtron.vocabulary import (
     MSRCN,
@@ -20,9 +18,6 @@ from rtron.vocabulary import (
     stage_nodes,
     streams,
 )
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from plans import grcn, plan_of
 
 T, NODE = "/cmd_vel", "/rtron/grcn_cmd_vel"
 GOAL = {"type": "p/GoActionGoal", "kind": StreamKind.ACTION}

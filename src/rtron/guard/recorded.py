@@ -8,7 +8,10 @@ from rtron.guard.transport.transport import Peer, TypeInfo
 from rtron.messages.definition_text import parse_definition
 from rtron.messages.definitions import Definitions
 from rtron.vocabulary import (
+    ANSWERED,
+    ASKED,
     PRIVATE_ROOT,
+    SERVER,
     FpsMonitor,
     Mode,
     Plan,
@@ -16,6 +19,7 @@ from rtron.vocabulary import (
     flow_topic,
     names_node,
     normalise_type,
+    part_topic,
     streams,
 )
 
@@ -67,17 +71,15 @@ class Places:
         publisher = self.publisher(recorded)
         if publisher.startswith(PRIVATE_ROOT + "/"):
             return ""
-        for stream in self.streams:
-            if stream.topic == recorded.topic and stream.mode is Mode.ENFORCE:
-                for flow in stream.flows:
-                    if names_node(flow.publisher, publisher):
-                        return flow_topic(stream.topic, flow.name)
+        enforced = (stream for stream in self.streams if stream.mode is Mode.ENFORCE)
+        for flow, named in (each for stream in enforced for each in _ways(stream, recorded.topic)):
+            if names_node(named, publisher):
+                return flow_topic(recorded.topic, flow)
         return recorded.topic
 
     def _named(self, topic: str) -> Iterator[str]:
         for stream in self.streams:
-            if stream.topic == topic:
-                yield from (flow.publisher for flow in stream.flows)
+            yield from (named for _, named in _ways(stream, topic))
         if self.plan.msrcn:
             yield from (e.publisher for e in self.plan.msrcn.eflows if e.topic == topic)
         yield from (m.node for m in self.plan.fps_monitor if m.topic == topic)
@@ -93,6 +95,16 @@ class Places:
         except InputError:
             known = None
         return known.md5sum if known else ""
+
+
+def _ways(stream: Stream, topic: str) -> Iterator[tuple[str, str]]:
+    """Yield the flows on which a stream takes a public topic, and their publishers."""
+    asked = {part_topic(stream.action, part) for part in ASKED} if stream.action else ()
+    answered = {part_topic(stream.action, part) for part in ANSWERED} if stream.action else ()
+    if topic == stream.topic or topic in asked:
+        yield from ((flow.name, flow.publisher) for flow in stream.flows)
+    elif topic in answered:
+        yield from ((SERVER, node) for node in stream.successors)
 
 
 def _cameras(monitors: tuple[FpsMonitor, ...], topic: str) -> Iterator[str]:

@@ -221,7 +221,7 @@ class GuardedAction(GuardedStream):
         """Return why a goal cannot be taken, whatever the policies say."""
         if self.dry_run:
             return ""
-        if not self._serves():
+        if not self._hears():
             return "the action server is not there"
         own = sum(g.flow == goal.flow and g.where is Where.WAITING for g in self.goals)
         return f"{self._most_waiting} goals wait" if own > self._most_waiting else ""
@@ -400,12 +400,14 @@ class GuardedAction(GuardedStream):
             self._halting = why
             self.halted(self.server.node, why)
 
-    def _serves(self) -> bool:
+    def _hears(self) -> bool:
         """Tell whether the server is there, and hears us."""
-        node, result = self.server.node, self.server.empty_result
-        if not node or result is None:
-            return False
-        return self._ends.reaches(node) and self._parts.reaches_server(node)
+        node = self.server.node
+        return bool(node) and self._ends.reaches(node) and self._parts.reaches_server(node)
+
+    def _serves(self) -> bool:
+        """Tell whether clients may know that the server is there: they will get their answers."""
+        return self._hears() and self.server.empty_result is not None
 
     def _is_server(self, peer: Peer) -> bool:
         return peer.verified and any(names_node(s, peer.node) for s in self.stream.successors)
