@@ -6,6 +6,7 @@ from rtron.vocabulary import (
     RSRCN,
     SECOND,
     Area,
+    Audit,
     Domain,
     EventFlow,
     Flow,
@@ -14,6 +15,7 @@ from rtron.vocabulary import (
     GuardedTopic,
     Mode,
     OnError,
+    OnForeign,
     OnSilence,
     Plan,
     Point,
@@ -142,6 +144,7 @@ PLAN = Plan(
         FpsMonitor(id="fps_monitor_sign", node="/sign", topic="/sign/image"),
     ),
     stop=Stop(decel=1.0),
+    audit=Audit(period=SECOND // 20, on_foreign=OnForeign.ALARM),
 )
 
 AT_80_COLUMNS = """\
@@ -194,6 +197,9 @@ fps_monitor (2)
 Stop
   a ramp of 1 m/s2 and 3.2 rad/s2, every 0.05 s, then zeros for 1 s
 
+Audit
+  every 0.05 s; a foreign publisher: alarm
+
 Left out (1)
   warning  /odd
            it has no type
@@ -225,3 +231,10 @@ def test_hostile_names_do_nothing(printed):
     text = printed(plan_text(Plan(app=name, msrcn=msrcn, fps_monitor=(monitor,)), name))
     assert "\x1b" not in text
     assert text.count("/\\x1b[2J[bold]\\n") == 9
+
+
+def test_the_goals_of_an_action_stand_for_all_of_its_topics():
+    topic = GuardedTopic(topic="/act/goal", type="p/GoActionGoal", flows=())
+    msrcn = MSRCN(id="msrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, aflows=(topic,))
+    text = printed(plan_text(Plan(app="app", msrcn=msrcn)))
+    assert "  with cancel, status, feedback, result: /act is one action\n" in text

@@ -33,6 +33,7 @@ _SECTIONS = {
 # Priority_Queue and FIFO_Queue: one at a time, the others wait. Block: each flow has a bit.
 # A flow that moved the robot and is silent for `silent_after` stops it (`on_silence: release`
 # does not); so does a message that cannot be judged (`on_error: drop` only drops it).
+# The goals of an action (type pkg/NameActionGoal) stand for all five of its topics.
 """,
     "rsrcn": """
 # RSRCN: the one before everybody who obeys a velocity. It knows the rates of the image nodes
@@ -64,6 +65,10 @@ _SECTIONS = {
     "stop": """
 # How the guard stops the robot: a ramp of at most `decel` and `angular_decel`, a message every
 # `period`, zeros for `repeat`, then nothing.
+""",
+    "audit": """
+# How often the guard asks each guarded node who speaks to it, and whether it only raises an alarm
+# when that is somebody else (`on_foreign: alarm`) or stops the robot too (`stop`).
 """,
     "messages": """
 # Message types that RTron does not know, as `rosmsg show -r TYPE` prints them.

@@ -8,6 +8,7 @@ from rich.text import Text
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
 from rtron.reports.plan_words import (
     area_words,
+    audit_words,
     event_words,
     flow_words,
     limit_words,
@@ -23,12 +24,15 @@ from rtron.vocabulary import (
     MSRCN,
     RSRCN,
     UNAPPROVED,
+    ActionPart,
+    Audit,
     Flow,
     FpsMonitor,
     GuardedTopic,
     Mode,
     Plan,
     Stop,
+    action_of,
 )
 
 _MODE_STYLE = {Mode.ENFORCE: "bold green", Mode.OBSERVE: "yellow"}
@@ -50,6 +54,7 @@ def _lines(plan: Plan, next_step: str, remarks: Sequence[Remark], page: Page) ->
     yield from _observed([g for g in plan.grcn if g.mode is Mode.OBSERVE])
     yield from _fps_monitors(plan.fps_monitor)
     yield from _stop(plan.stop)
+    yield from _audit(plan.audit)
     if remarks:
         yield from heading(f"Left out ({len(remarks)})")
         yield from remark_lines(remarks, page)
@@ -71,7 +76,7 @@ def _summary(plan: Plan) -> str:
 
 def _grcn(grcn: GRCN) -> Iterator[Text]:
     yield from _title("GRCN", grcn)
-    yield line(f"{grcn.topic}  {grcn.type}", f", {grcn.domain}, {grcn.sharing}", indent=2)
+    yield from _topic(grcn, f", {grcn.domain}, {grcn.sharing}")
     rows = _flow_rows(grcn.flows)
     rows.append((UNAPPROVED, "any other node", _state(blocked=grcn.block_unapproved), ""))
     yield from columns(rows + _to(grcn.successors), _CELL_STYLES, indent=2)
@@ -122,14 +127,29 @@ def _stop(stop: Stop) -> Iterator[Text]:
         yield line(stop_words(stop), indent=2)
 
 
+def _audit(audit: Audit) -> Iterator[Text]:
+    if audit != Audit():
+        yield from heading("Audit")
+        yield line(audit_words(audit), indent=2)
+
+
 def _title(kind: str, node: GRCN | RSRCN | MSRCN) -> Iterable[Text]:
     mode = (str(node.mode), _MODE_STYLE[node.mode])
     return Text(), line((node.id, "bold"), f"  {kind}  {node.policy}  ", mode)
 
 
 def _guarded(topic: GuardedTopic) -> Iterator[Text]:
-    yield line(f"{topic.topic}  {topic.type}", indent=2)
+    yield from _topic(topic)
     yield from columns(_flow_rows(topic.flows) + _to(topic.successors), _CELL_STYLES, indent=4)
+
+
+def _topic(guarded: GRCN | GuardedTopic, more: str = "") -> Iterator[Text]:
+    """Yield what is guarded; the goals of an action stand for all of its topics."""
+    yield line(f"{guarded.topic}  {guarded.type}", more, indent=2)
+    action = action_of(guarded.topic, guarded.type)
+    if action:
+        parts = ", ".join(part for part in ActionPart if part is not ActionPart.GOAL)
+        yield line((f"with {parts}: {action} is one action", "dim"), indent=2)
 
 
 def _flow_rows(flows: Sequence[Flow]) -> _Rows:

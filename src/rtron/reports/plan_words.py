@@ -6,11 +6,13 @@ from rtron.vocabulary import (
     RSRCN,
     SECOND,
     Area,
+    Audit,
     EventFlow,
     Flow,
     FpsMonitor,
     FrameSource,
     OnError,
+    OnForeign,
     OnSilence,
     PolicyName,
     Rule,
@@ -111,6 +113,12 @@ def stop_words(stop: Stop) -> str:
     """Return how the robot is stopped."""
     ramp = f"a ramp of {stop.decel:g} m/s2 and {stop.angular_decel:g} rad/s2"
     return f"{ramp}, every {seconds(stop.period)}, then zeros for {seconds(stop.repeat)}"
+
+
+def audit_words(audit: Audit) -> str:
+    """Return how often the guarded nodes are asked who speaks to them, and what follows."""
+    also = " and stop" if audit.on_foreign is OnForeign.STOP else ""
+    return f"every {seconds(audit.period)}; a foreign publisher: alarm{also}"
 
 
 def one_line(expression: str) -> str:
