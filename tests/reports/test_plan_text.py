@@ -233,7 +233,7 @@ def test_hostile_names_do_nothing(printed):
     assert text.count("/\\x1b[2J[bold]\\n") == 9
 
 
-def test_the_goals_of_an_action_stand_for_all_of_its_topics():
+def test_the_goals_of_an_action_stand_for_all_of_its_topics(printed):
     topic = GuardedTopic(topic="/act/goal", type="p/GoActionGoal", flows=())
     msrcn = MSRCN(id="msrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, aflows=(topic,))
     text = printed(plan_text(Plan(app="app", msrcn=msrcn)))
