@@ -11,7 +11,7 @@ from rtron.guard.seldom import Seldom
 from rtron.guard.senses import Senses
 from rtron.guard.transport.transport import Output, Peer, Receive, Transport
 from rtron.guard.types import standard_info
-from rtron.messages.actionlib import cancel_message, read_result, read_statuses
+from rtron.messages.actionlib import TERMINAL, cancel_message, read_result, read_statuses
 from rtron.policies.following import Following
 from rtron.vocabulary import ActionPart, Stream, normalise_type, part_topic
 
@@ -88,11 +88,10 @@ class FollowedStream(GuardedStream):
         self._following.said(flow)
 
     def _status(self, message: bytes) -> None:
-        statuses = self._read(read_statuses, message) or []
-        self._following.sees(status.goal.id for status in statuses)
-        for status in statuses:
-            if status.over:
-                self._ended(status.goal.id)
+        statuses = self._read(read_statuses, message) or {}
+        self._following.sees(statuses)
+        for id in [id for id, status in statuses.items() if status in TERMINAL]:
+            self._ended(id)
 
     def _result(self, message: bytes) -> None:
         result = self._read(read_result, message)

@@ -24,13 +24,13 @@ from rtron.messages.actionlib import (
     ABORTED,
     RECALLED,
     REJECTED,
+    TERMINAL,
     GoalID,
     GoalStatus,
     cancel_message,
     read_cancel,
     read_goal,
     read_result,
-    read_statuses,
     result_message,
     with_goal_id,
     with_statuses,
@@ -53,7 +53,7 @@ log = logging.getLogger(__name__)
 LOST_AFTER = 2 * SECOND
 """A goal that the server has not listed for so long is not with it any more."""
 _MOST_TOLD = 256
-_KEEP_AFTER = SECOND // 200
+_KEEP_AFTER = _TELL_AFTER = SECOND // 100
 _ORPHANED = 3 * SECOND
 
 
@@ -83,7 +83,7 @@ class GuardedAction(GuardedStream):
         self._named = 0
         self._halting = ""
         self._will = will
-        self._keeping = False
+        self._keeping = self._telling = False
         self._seldom = Seldom()
 
     def open(self) -> None:
@@ -215,7 +215,7 @@ class GuardedAction(GuardedStream):
             if verdict is None or verdict.decision is Decision.DROP:
                 self._answer(goal, REJECTED, verdict.reason if verdict else "internal error")
             elif verdict.decision is Decision.HOLD:
-                self._tell_statuses()
+                self._tell_soon()
 
     def _why_refused(self, goal: Goal) -> str:
         """Return why a goal cannot be taken, whatever the policies say."""
@@ -282,21 +282,24 @@ class GuardedAction(GuardedStream):
 
     def _status(self, message: bytes) -> None:
         now = self._transport.now()
-        statuses = read_statuses(message)
-        self.server.says(message, statuses, now)
-        for status in statuses:
-            self._listed(status, now)
+        self.server.says(message, now)
+        self._find_others(now)
+        for goal in self.goals:
+            status = self.server.listed.get(goal.id)
+            if status is not None:
+                self._listed(goal, status, now)
         self._look_for_lost()
         self._tell_statuses()
 
-    def _listed(self, status: GoalStatus, now: int) -> None:
-        goal = self.goals.find(status.goal.id)
-        if goal is None:
-            if status.over or self.goals.is_over(status.goal.id):
-                return
-            goal = self._found(status.goal, now)
-        goal.seen, goal.status = now, status.status
-        if status.over:
+    def _find_others(self, now: int) -> None:
+        """Know of the goals that the server has and that did not come through here."""
+        for id, status in self.server.listed.items():
+            if status not in TERMINAL and not self.goals.why_not(id, "", now):
+                self._found(GoalID(id, 0), now)
+
+    def _listed(self, goal: Goal, status: int, now: int) -> None:
+        goal.seen, goal.status = now, status
+        if status in TERMINAL:
             self._turn_over(goal)
             if not goal.client:
                 self._end(goal, now)
@@ -355,7 +358,7 @@ class GuardedAction(GuardedStream):
         for goal in self.goals:
             silent = self.server.at if self.server.node else now
             if goal.where is Where.SENT and silent - goal.seen >= LOST_AFTER:
-                over = GoalStatus(GoalID(goal.id, 0), goal.status).over
+                over = goal.status in TERMINAL
                 self._answer(goal, goal.status if over else ABORTED, "the server has lost it")
                 self._turn_over(goal)
 
@@ -373,10 +376,17 @@ class GuardedAction(GuardedStream):
         if self.server.empty_result is not None:
             message = result_message(time.time_ns(), told, self.server.empty_result)
             self._parts.answer(ActionPart.RESULT, message)
-        self._tell_statuses()
+        self._tell_soon()
+
+    def _tell_soon(self) -> None:
+        """Tell the clients what has changed here; once for many changes."""
+        if not self._telling:
+            self._telling = True
+            self._transport.call_at(self._transport.now() + _TELL_AFTER, self._tell_statuses)
 
     def _tell_statuses(self) -> None:
         """Tell the clients what the server has told, and what waits here; not in its absence."""
+        self._telling = False
         if self.dry_run and self.server.told:
             self._parts.answer(ActionPart.STATUS, self.server.told)
         elif self.server.told and self._serves():

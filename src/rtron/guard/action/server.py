@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from rtron.errors import InputError
 from rtron.guard.transport.transport import TypeInfo
-from rtron.messages.actionlib import GoalStatus
+from rtron.messages.actionlib import behind_header, read_statuses
 from rtron.messages.definition_text import parse_definition
 from rtron.messages.encoding import Encoding
 from rtron.messages.layout import zeros_size
@@ -15,22 +15,28 @@ _HEAD = 16 + 17
 
 @dataclass(slots=True)
 class Server:
-    """The server as far as it is known; `told` is its last status array, of time `at` (ns)."""
+    """The server as far as it is known.
+
+    `told` is its last status array, of time `at` (ns), `listed` the state of each goal in it.
+    """
 
     node: str = ""
     told: bytes = b""
     at: int = 0
-    listed: dict[bytes, GoalStatus] = field(default_factory=dict)
+    listed: dict[bytes, int] = field(default_factory=dict)
     empty_result: bytes | None = None
+    _body: bytes = b""
 
-    def says(self, told: bytes, statuses: list[GoalStatus], now: int) -> None:
-        """Take a status array."""
-        self.told, self.at = told, now
-        self.listed = {status.goal.id: status for status in statuses}
+    def says(self, told: bytes, now: int) -> None:
+        """Take a status array; most say what the one before has said."""
+        body = behind_header(told)
+        if body != self._body:
+            self.listed = read_statuses(told)
+        self.told, self.at, self._body = told, now, body
 
     def leave(self) -> None:
         """Learn that the server is gone."""
-        self.node, self.told, self.listed = "", b"", {}
+        self.node, self.told, self.listed, self._body = "", b"", {}, b""
 
     def learn_result(self, info: TypeInfo) -> None:
         """Know how a result looks in which everything is 0 or empty; InputError if it cannot."""
