@@ -4,12 +4,13 @@ import math
 
 from autorace import AUTORACE
 from home import HOME
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rtron.planning import parse_plan, propose_plan, write_plan
 from rtron.planning.coherence import misfits
 from rtron.planning.expressions import expression_faults
+from rtron.planning.form import keys
 from rtron.risks import discover
 from rtron.vocabulary import (
     GRCN,
@@ -17,6 +18,7 @@ from rtron.vocabulary import (
     RSRCN,
     SECOND,
     Area,
+    Audit,
     Domain,
     EventFlow,
     Flow,
@@ -26,6 +28,7 @@ from rtron.vocabulary import (
     MessageDefinition,
     Mode,
     OnError,
+    OnForeign,
     OnSilence,
     Plan,
     Point,
@@ -40,6 +43,7 @@ from rtron.vocabulary import (
 )
 
 words = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
+variables = words.filter(keys(Area)["name"].text.fits)
 topics = st.from_regex(r"(/[A-Za-z0-9_]{1,4}){1,3}", fullmatch=True)
 nodes = st.from_regex(r"(/[A-Za-z0-9_]{1,4}){1,2}\*?", fullmatch=True)
 frames = st.from_regex(r"/?[A-Za-z0-9_.-]{1,8}", fullmatch=True)
@@ -114,7 +118,7 @@ comparisons = st.sampled_from(
 )
 unjudged = st.builds(
     EventFlow,
-    name=words,
+    name=variables,
     topic=topics,
     publisher=nodes,
     type=types,
@@ -126,7 +130,7 @@ unjudged = st.builds(
 )
 judged = st.builds(
     EventFlow,
-    name=words,
+    name=variables,
     topic=topics,
     publisher=nodes,
     type=st.sampled_from(["std_msgs/String", "std_msgs/msg/String"]),
@@ -142,7 +146,7 @@ polygons = st.tuples(
         Point(x=c[0], y=c[1] + c[3]),
     )
 )
-areas = st.builds(Area, name=words, frame=frames, polygon=polygons)
+areas = st.builds(Area, name=variables, frame=frames, polygon=polygons)
 transforms = st.builds(
     Transform,
     source=frames,
@@ -157,6 +161,11 @@ stops = st.builds(
     angular_decel=st.floats(0.01, 1000),
     period=st.integers(SECOND // 1000, SECOND),
     repeat=durations,
+)
+audits = st.builds(
+    Audit,
+    period=st.integers(SECOND // 100, SECOND // 10),
+    on_foreign=st.sampled_from(OnForeign),
 )
 definitions = st.builds(
     MessageDefinition,
@@ -208,6 +217,7 @@ plans = st.builds(
     msrcn=st.none() | missions(),
     fps_monitor=listed(monitors, most=2),
     stop=st.just(Stop()) | stops,
+    audit=audits,
     messages=listed(definitions, most=2),
     accept_unenforceable=listed(texts),
 )
@@ -226,6 +236,7 @@ def test_every_mission_is_read_as_it_was_written(plan):
     assert parse_plan(write_plan(plan)) == plan
 
 
+@settings(suppress_health_check=[HealthCheck.too_slow])  # a busy machine makes whole plans slowly
 @given(plans.filter(is_coherent))
 def test_every_plan_is_read_as_it_was_written(plan):
     assert parse_plan(write_plan(plan)) == plan
