@@ -371,6 +371,31 @@ def test_goals_are_aborted_when_a_new_server_does_not_know_them(act):
     assert act.started() == [b"a", b"b"]
 
 
+def test_a_result_that_does_not_come_is_made_good_from_the_status(act):
+    act.ask(ONE, b"a")
+    over = GoalStatus(GoalID(b"a", 0), SUCCEEDED)
+    act.serve(over)
+    act.transport.advance(LOST_AFTER - 1)
+    act.serve(over)
+    assert act.answers() == []
+    act.transport.advance(1)
+    act.serve(over)
+    assert act.answers() == [(b"a", SUCCEEDED)]
+    act.finish(b"a")
+    assert act.answers() == [(b"a", SUCCEEDED)]
+
+
+def test_a_goal_that_was_answered_for_a_lost_server_is_cancelled_when_it_is_back(act):
+    act.ask(ONE, b"a")
+    act.serve(*active(b"a"))
+    act.transport.leave("/rtron/act/status/server", Peer(SERVER, STATUSES))
+    act.transport.advance(LOST_AFTER)
+    act.transport.publisher("/rtron/act/status/server", Peer(SERVER, STATUSES))
+    assert act.answers() == [(b"a", ABORTED)]
+    act.serve(*active(b"a"))
+    assert [read_cancel(message).id for message in act.cancels] == [b"a"]
+
+
 def test_a_goal_that_waited_too_long_is_recalled():
     act = Act(max_age=SECOND)
     act.serve()

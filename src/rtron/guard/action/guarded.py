@@ -5,14 +5,13 @@ that waits here is told as pending; each goal is answered once, by the server or
 """
 
 import logging
-import time
-from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from rtron.errors import InputError, WireError
+from rtron.guard.action.bequest import Bequest
+from rtron.guard.action.desk import Desk
 from rtron.guard.action.ends import ActionEnds
 from rtron.guard.action.server import Server
 from rtron.guard.guarded import GuardedStream
@@ -26,16 +25,13 @@ from rtron.messages.actionlib import (
     REJECTED,
     TERMINAL,
     GoalID,
-    GoalStatus,
     cancel_message,
     read_cancel,
     read_goal,
     read_result,
-    result_message,
     with_goal_id,
-    with_statuses,
 )
-from rtron.policies.goals import AGAIN_AFTER, Goal, Goals, Where
+from rtron.policies.goals import Goal, Goals, Where
 from rtron.vocabulary import (
     SECOND,
     SERVER,
@@ -52,8 +48,6 @@ log = logging.getLogger(__name__)
 
 LOST_AFTER = 2 * SECOND
 """A goal that the server has not listed for so long is not with it any more."""
-_MOST_TOLD = 256
-_KEEP_AFTER = _TELL_AFTER = SECOND // 100
 _ORPHANED = 3 * SECOND
 
 
@@ -78,21 +72,18 @@ class GuardedAction(GuardedStream):
         self.pipeline.gave_up = self._gave_up
         self._parts = ActionEnds(self.stream, self.nodes[0], transport, self)
         self._current: Goal | None = None
-        self._answered: deque[tuple[int, GoalStatus]] = deque(maxlen=_MOST_TOLD)
+        self._desk = Desk(self._parts, self.server, self.goals, transport, self._serves)
+        self._bequest = Bequest(self.name, self.goals, will, transport)
         self._most_waiting = stream.queue_size
         self._named = 0
         self._halting = ""
-        self._will = will
-        self._keeping = self._telling = False
         self._seldom = Seldom()
 
     def open(self) -> None:
         """Join the graph."""
         super().open()
         self._parts.open()
-        kept = self._will.found(self.name)
-        if kept:
-            self._take_over(kept)
+        self._take_over()
 
     def attend(self, now: int) -> None:
         """Cancel what may not go on, and stop what it moves."""
@@ -113,7 +104,11 @@ class GuardedAction(GuardedStream):
         goal.stopped = why
         if why:
             log.warning("%s: %s is cancelled: %s", self.name, _said(goal), why)
-            self._parts.cancel(cancel_message(goal.id))
+            self._cancel_at_server(goal.id)
+
+    def _cancel_at_server(self, id: bytes) -> None:
+        if not self.dry_run:
+            self._parts.cancel(cancel_message(id))
 
     @property
     def name(self) -> str:
@@ -140,10 +135,10 @@ class GuardedAction(GuardedStream):
 
     # What the guard before has left
 
-    def _take_over(self, kept: Mapping[str, Any]) -> None:
+    def _take_over(self) -> None:
+        """Go on with the goals of the guard before; those that waited went with it."""
         now = self._transport.now()
-        self.goals.restore(kept, now)
-        for goal in self.goals:
+        for goal in self.goals if self._bequest.take_over() else ():
             if goal.where is Where.SENT:
                 self._current = goal
                 self.pipeline.occupy(goal.flow, now)
@@ -154,16 +149,6 @@ class GuardedAction(GuardedStream):
         for goal in self.goals:
             if goal.where is Where.WAITING and not goal.message:
                 self._answer(goal, RECALLED, "the guard was restarted")
-
-    def _keep(self) -> None:
-        """Leave to the next guard whose goals there are, soon: many may change at once."""
-        if not self._keeping:
-            self._keeping = True
-            self._transport.call_at(self._transport.now() + _KEEP_AFTER, self._kept)
-
-    def _kept(self) -> None:
-        self._keeping = False
-        self._will.keep(self.name, self.goals.kept())
 
     # What clients say
 
@@ -197,7 +182,7 @@ class GuardedAction(GuardedStream):
         goal = Goal(asked.id, asked.stamp, flow, peer.node, message, seen=now)
         self.goals.add(goal)
         self._decide(goal, now)
-        self._keep()
+        self._bequest.keep()
 
     def _why_unheard(self, asked: GoalID, peer: Peer, now: int) -> str:
         """Return why a goal is none that could be answered."""
@@ -215,7 +200,7 @@ class GuardedAction(GuardedStream):
             if verdict is None or verdict.decision is Decision.DROP:
                 self._answer(goal, REJECTED, verdict.reason if verdict else "internal error")
             elif verdict.decision is Decision.HOLD:
-                self._tell_soon()
+                self._desk.tell_soon()
 
     def _why_refused(self, goal: Goal) -> str:
         """Return why a goal cannot be taken, whatever the policies say."""
@@ -232,7 +217,7 @@ class GuardedAction(GuardedStream):
         if goal:
             goal.where, goal.seen = Where.SENT, now
             self._current = goal
-            self._keep()
+            self._bequest.keep()
 
     def _gave_up(self, message: bytes, verdict: Verdict) -> None:
         goal = self.goals.find(read_goal(message).id)
@@ -253,8 +238,8 @@ class GuardedAction(GuardedStream):
         for goal in self.goals.cancelled(peer.node, asked.id, asked.stamp, now):
             if goal.where is Where.WAITING:
                 self.pipeline.withdraw(goal.message, "cancelled by its client", now)
-            elif not self.dry_run:
-                self._parts.cancel(cancel_message(goal.id))
+            else:
+                self._cancel_at_server(goal.id)
 
     # What the server says
 
@@ -289,16 +274,25 @@ class GuardedAction(GuardedStream):
             if status is not None:
                 self._listed(goal, status, now)
         self._look_for_lost()
-        self._tell_statuses()
+        self._desk.tell()
 
     def _find_others(self, now: int) -> None:
-        """Know of the goals that the server has and that did not come through here."""
+        """Know of the goals that the server has and that did not come through here.
+
+        One that was answered because the server seemed to be gone shall not go on.
+        """
         for id, status in self.server.listed.items():
-            if status not in TERMINAL and not self.goals.why_not(id, "", now):
+            if status in TERMINAL or self.goals.find(id):
+                continue
+            if self.goals.is_over(id):
+                self._cancel_at_server(id)
+            elif not self.goals.why_not(id, "", now):
                 self._found(GoalID(id, 0), now)
 
     def _listed(self, goal: Goal, status: int, now: int) -> None:
-        goal.seen, goal.status = now, status
+        if goal.status not in TERMINAL:
+            goal.seen = now
+        goal.status = status
         if status in TERMINAL:
             self._turn_over(goal)
             if not goal.client:
@@ -317,16 +311,10 @@ class GuardedAction(GuardedStream):
         self.goals.add(goal)
         self._current = goal
         self.pipeline.occupy(SERVER, now)
-        self._keep()
+        self._bequest.keep()
         for appeared in self.appeared:
             appeared(asked.id)
         return goal
-
-    def _end(self, goal: Goal, now: int) -> None:
-        self.goals.end(goal, now)
-        for ended in self.ended:
-            ended(goal.id)
-        self._keep()
 
     def _result(self, message: bytes) -> None:
         now = self._transport.now()
@@ -343,8 +331,6 @@ class GuardedAction(GuardedStream):
         self._parts.answer(ActionPart.RESULT, message)
         if goal:
             self._turn_over(goal)
-        self._halt()
-        self._keep()
 
     def _turn_over(self, goal: Goal) -> None:
         """Let the next goal go if this was the one in progress."""
@@ -353,7 +339,7 @@ class GuardedAction(GuardedStream):
             self._done(b"")
 
     def _look_for_lost(self) -> None:
-        """Answer the goals that the server does not have any more."""
+        """Answer the goals that the server has no more, and those whose result does not come."""
         now = self._transport.now()
         for goal in self.goals:
             silent = self.server.at if self.server.node else now
@@ -366,42 +352,17 @@ class GuardedAction(GuardedStream):
 
     def _answer(self, goal: Goal, status: int, why: str) -> None:
         """End a goal in the server's place."""
-        now = self._transport.now()
-        self._end(goal, now)
-        if not goal.client or self.dry_run:
-            return
-        log.info("%s: %s: %s", self.name, _said(goal), why)
-        told = GoalStatus(GoalID(goal.id, goal.stamp), status, why)
-        self._answered.append((now + AGAIN_AFTER, told))
-        if self.server.empty_result is not None:
-            message = result_message(time.time_ns(), told, self.server.empty_result)
-            self._parts.answer(ActionPart.RESULT, message)
-        self._tell_soon()
+        self._end(goal, self._transport.now())
+        if goal.client and not self.dry_run:
+            log.info("%s: %s: %s", self.name, _said(goal), why)
+            self._desk.answer(goal, status, why)
 
-    def _tell_soon(self) -> None:
-        """Tell the clients what has changed here; once for many changes."""
-        if not self._telling:
-            self._telling = True
-            self._transport.call_at(self._transport.now() + _TELL_AFTER, self._tell_statuses)
-
-    def _tell_statuses(self) -> None:
-        """Tell the clients what the server has told, and what waits here; not in its absence."""
-        self._telling = False
-        if self.dry_run and self.server.told:
-            self._parts.answer(ActionPart.STATUS, self.server.told)
-        elif self.server.told and self._serves():
-            more = list(self._unlisted())
-            self._parts.answer(ActionPart.STATUS, with_statuses(self.server.told, more))
-
-    def _unlisted(self) -> Iterator[GoalStatus]:
-        """Yield the state of goals that the server does not list."""
-        now, listed = self._transport.now(), self.server.listed
-        for goal in self.goals:
-            if goal.id not in listed and goal.client:
-                yield GoalStatus(GoalID(goal.id, goal.stamp), goal.status)
-        for until, told in self._answered:
-            if now < until and told.goal.id not in listed:
-                yield told
+    def _end(self, goal: Goal, now: int) -> None:
+        self.goals.end(goal, now)
+        self._halt()
+        for ended in self.ended:
+            ended(goal.id)
+        self._bequest.keep()
 
     def _halt(self) -> None:
         """Keep the server from moving the robot while it has a goal that was stopped."""
