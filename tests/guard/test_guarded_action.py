@@ -6,7 +6,6 @@ import pytest
 from plans import grcn, plan_of
 from streams import stage, stream
 
-from rtron.guard.action.guarded import LOST_AFTER
 from rtron.guard.host import Host
 from rtron.guard.recorded import Recorded
 from rtron.guard.replay import Player
@@ -35,6 +34,7 @@ from rtron.messages.actionlib import (
 from rtron.messages.definition_text import parse_definition
 from rtron.messages.encoding import Encoding
 from rtron.policies.goals import AGAIN_AFTER
+from rtron.policies.listing import LOST_AFTER
 from rtron.vocabulary import SECOND, Flow, OnSilence, PolicyName, StreamKind
 
 GOAL_TYPE, RESULT_TYPE = "demo_msgs/GoActionGoal", "demo_msgs/GoActionResult"

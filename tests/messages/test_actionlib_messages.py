@@ -10,7 +10,6 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rtron.errors import WireError
 from rtron.messages.actionlib import (
     MOST_STATUSES,
-    TERMINAL,
     GoalID,
     GoalStatus,
     behind_header,
@@ -106,12 +105,6 @@ def test_results_are_read_and_written(status, stamp, rest):
     assert plain([read_result(message)]) == plain([status])
     encoded = rest.encode()
     assert result_message(stamp, status, struct.pack("<I", len(encoded)) + encoded) == message
-
-
-@pytest.mark.parametrize("status", range(10))
-def test_which_states_are_the_end(status):
-    """PENDING, ACTIVE, PREEMPTING and RECALLING are not (actionlib_msgs/GoalStatus)."""
-    assert (status in TERMINAL) is (status not in (0, 1, 6, 7))
 
 
 def test_ids_need_not_be_text():

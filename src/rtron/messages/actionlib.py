@@ -16,8 +16,6 @@ from rtron.vocabulary import SECOND
 PENDING, ACTIVE, PREEMPTED, SUCCEEDED, ABORTED, REJECTED, PREEMPTING, RECALLING, RECALLED, LOST = (
     range(10)
 )
-TERMINAL = frozenset({PREEMPTED, SUCCEEDED, ABORTED, REJECTED, RECALLED, LOST})
-"""The states of a goal that is over."""
 MOST_STATUSES = 10_000
 """The longest list of goals that a server may tell, entries."""
 

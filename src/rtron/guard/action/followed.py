@@ -11,8 +11,9 @@ from rtron.guard.seldom import Seldom
 from rtron.guard.senses import Senses
 from rtron.guard.transport.transport import Output, Peer, Receive, Transport
 from rtron.guard.types import standard_info
-from rtron.messages.actionlib import TERMINAL, cancel_message, read_result, read_statuses
+from rtron.messages.actionlib import cancel_message, read_result, read_statuses
 from rtron.policies.following import Following
+from rtron.policies.listing import TERMINAL
 from rtron.vocabulary import ActionPart, Stream, normalise_type, part_topic
 
 log = logging.getLogger(__name__)

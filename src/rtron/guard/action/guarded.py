@@ -23,7 +23,6 @@ from rtron.messages.actionlib import (
     ABORTED,
     RECALLED,
     REJECTED,
-    TERMINAL,
     GoalID,
     cancel_message,
     read_cancel,
@@ -32,6 +31,7 @@ from rtron.messages.actionlib import (
     with_goal_id,
 )
 from rtron.policies.goals import Goal, Goals, Where
+from rtron.policies.listing import LOST_AFTER, TERMINAL, compare, find, lost
 from rtron.vocabulary import (
     SECOND,
     SERVER,
@@ -46,8 +46,6 @@ from rtron.vocabulary import (
 
 log = logging.getLogger(__name__)
 
-LOST_AFTER = 2 * SECOND
-"""A goal that the server has not listed for so long is not with it any more."""
 _ORPHANED = 3 * SECOND
 
 
@@ -268,53 +266,32 @@ class GuardedAction(GuardedStream):
     def _status(self, message: bytes) -> None:
         now = self._transport.now()
         self.server.says(message, now)
-        self._find_others(now)
-        for goal in self.goals:
-            status = self.server.listed.get(goal.id)
-            if status is not None:
-                self._listed(goal, status, now)
-        self._look_for_lost()
-        self._desk.tell()
-
-    def _find_others(self, now: int) -> None:
-        """Know of the goals that the server has and that did not come through here.
-
-        One that was answered because the server seemed to be gone shall not go on.
-        """
-        for id, status in self.server.listed.items():
-            if status in TERMINAL or self.goals.find(id):
-                continue
-            if self.goals.is_over(id):
-                self._cancel_at_server(id)
-            elif not self.goals.why_not(id, "", now):
-                self._found(GoalID(id, 0), now)
-
-    def _listed(self, goal: Goal, status: int, now: int) -> None:
-        if goal.status not in TERMINAL:
-            goal.seen = now
-        goal.status = status
-        if status in TERMINAL:
+        news = compare(self.goals, self.server.listed, now)
+        for id in news.astray:
+            self._cancel_at_server(id)
+        for goal in news.found:
+            self._found(goal, now)
+        for goal in news.over:
             self._turn_over(goal)
             if not goal.client:
                 self._end(goal, now)
+        self._look_for_lost()
+        self._desk.tell()
 
     def _own_goal(self, message: bytes) -> None:
         """Take notice of a goal that the server gives itself, as move_base does."""
         now = self._transport.now()
         asked = read_goal(message)
         if asked.id and not self.goals.why_not(asked.id, "", now):
-            self._found(asked, now)
+            self._found(find(self.goals, asked.id, now, asked.stamp), now)
 
-    def _found(self, asked: GoalID, now: int) -> Goal:
-        """Know of a goal that the server has and that did not come through here."""
-        goal = Goal(asked.id, asked.stamp, SERVER, "", where=Where.SENT, seen=now)
-        self.goals.add(goal)
+    def _found(self, goal: Goal, now: int) -> None:
+        """Let others wait for a goal that did not come through here."""
         self._current = goal
         self.pipeline.occupy(SERVER, now)
         self._bequest.keep()
         for appeared in self.appeared:
-            appeared(asked.id)
-        return goal
+            appeared(goal.id)
 
     def _result(self, message: bytes) -> None:
         now = self._transport.now()
@@ -340,13 +317,11 @@ class GuardedAction(GuardedStream):
 
     def _look_for_lost(self) -> None:
         """Answer the goals that the server has no more, and those whose result does not come."""
-        now = self._transport.now()
-        for goal in self.goals:
-            silent = self.server.at if self.server.node else now
-            if goal.where is Where.SENT and silent - goal.seen >= LOST_AFTER:
-                over = goal.status in TERMINAL
-                self._answer(goal, goal.status if over else ABORTED, "the server has lost it")
-                self._turn_over(goal)
+        told = self.server.at if self.server.node else self._transport.now()
+        for goal in lost(self.goals, told):
+            over = goal.status in TERMINAL
+            self._answer(goal, goal.status if over else ABORTED, "the server has lost it")
+            self._turn_over(goal)
 
     # What the guard says
 
