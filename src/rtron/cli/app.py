@@ -132,6 +132,7 @@ def _recorded(bag: Path, launches: Sequence[str]) -> App:
 
 
 def _running(master: str, timeout: float) -> App:
-    from rtron.sources.ros1_live import Ros1Live  # noqa: PLC0415 - a file needs no ROS
+    from rtron.guard.fence.place import private_master  # noqa: PLC0415 - a file needs no ROS
+    from rtron.sources.ros1_live import Ros1Live  # noqa: PLC0415
 
-    return App(Ros1Live(master, timeout), f"the app running at {master}", "--live")
+    return App(Ros1Live(private_master(master), timeout), f"the app running at {master}", "--live")

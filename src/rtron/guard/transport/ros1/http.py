@@ -1,8 +1,9 @@
-"""XML-RPC requests served on the loop, one after the other on each connection."""
+"""HTTP requests, XML-RPC ones for instance, served on the loop, one by one on each connection."""
 
 import logging
 import socket
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import h11
@@ -14,20 +15,37 @@ from rtron.wire.xmlrpc import decode_call, encode_response
 log = logging.getLogger(__name__)
 
 Dispatch = Callable[[str, tuple[Any, ...]], list[Any]]
+Serve = Callable[[bytes], None]
 
-_MAX_REQUEST = 1 << 16
-_MOST_UNREAD = 1 << 20
 _IDLE_S = 30.0
 _CHUNK = 1 << 16
 
 
-class XmlRpcConnection:
-    """One HTTP connection to a slave API; bad requests close it, slow ones are given up."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bounds:
+    """The longest request, and the most of our answers that may wait for the caller, in bytes."""
 
-    def __init__(self, loop: Loop, sock: socket.socket, dispatch: Dispatch) -> None:
+    request: int = 1 << 16
+    unread: int = 1 << 20
+
+
+SLAVE_BOUNDS = Bounds()
+
+
+class HttpConnection:
+    """One HTTP connection; `serve` takes the body of each request, `reply` answers it, also later.
+
+    Bad requests close it, slow ones are given up; `closed` hears of its end.
+    """
+
+    def __init__(
+        self, loop: Loop, sock: socket.socket, serve: Serve, bounds: Bounds = SLAVE_BOUNDS
+    ) -> None:
+        self.closed: Callable[[], None] = lambda: None
         self._loop = loop
         self._sock = sock
-        self._dispatch = dispatch
+        self._serve = serve
+        self._bounds = bounds
         self._http = h11.Connection(h11.SERVER)
         self._body = bytearray()
         self._out = b""
@@ -36,43 +54,58 @@ class XmlRpcConnection:
         loop.watch(sock, self._readable, self._broken)
         loop.call_later(_IDLE_S, self._expire)
 
-    def _readable(self) -> None:
-        data = self._sock.recv(_CHUNK)
-        try:
-            self._http.receive_data(data)
-            while self._take(self._http.next_event()):
-                pass
-        except h11.ProtocolError as error:
-            raise WireError(str(error)) from error
+    def reply(self, body: bytes) -> None:
+        """Answer the request that was served last; nothing if its caller has left."""
+        if not self._closed:
+            self._or_break(lambda: self._send_answer(body))
 
-    def _take(self, event: Any) -> bool:  # noqa: ANN401 - h11's events have no common base
-        """Deal with an event; tell whether there may be another."""
-        if isinstance(event, h11.Data):
-            self._body += event.data
-            if len(self._body) > _MAX_REQUEST:
-                raise WireError("XML-RPC request too long")
-        elif isinstance(event, h11.EndOfMessage):
-            self._answer()
-        elif isinstance(event, h11.ConnectionClosed):
-            self._close()
-            return False
-        return event is not h11.NEED_DATA and event is not h11.PAUSED
-
-    def _answer(self) -> None:
-        self._busy = True
-        method, params = decode_call(bytes(self._body))
-        self._body.clear()
-        self._reply(encode_response(self._dispatch(method, params)))
-
-    def _reply(self, body: bytes) -> None:
+    def _send_answer(self, body: bytes) -> None:
         headers = [("Content-Type", "text/xml"), ("Content-Length", str(len(body)))]
         self._write(self._http.send(h11.Response(status_code=200, headers=headers)))
         self._write(self._http.send(h11.Data(data=body)))
         self._write(self._http.send(h11.EndOfMessage()))
         if self._http.our_state is h11.DONE and self._http.their_state is h11.DONE:
             self._http.start_next_cycle()
+            self._loop.after(lambda: self._or_break(self._take_events))
         elif not self._out:
-            self._close()
+            self.close()
+
+    def _readable(self) -> None:
+        data = self._sock.recv(_CHUNK)
+        if not data:
+            self.close()
+        elif len(self._http.trailing_data[0]) > _CHUNK:
+            raise WireError("the caller does not wait for its answers")
+        else:
+            self._http.receive_data(data)
+            self._or_break(self._take_events)
+
+    def _take_events(self) -> None:
+        while not self._closed and self._take(self._http.next_event()):
+            pass
+
+    def _or_break(self, action: Callable[[], None]) -> None:
+        """Do what may fail while no caller of ours is there to hear of it."""
+        try:
+            action()
+        except (h11.ProtocolError, OSError, WireError) as error:
+            self._broken(error)
+
+    def _take(self, event: Any) -> bool:  # noqa: ANN401 - h11's events have no common base
+        """Deal with an event; tell whether there may be another."""
+        if isinstance(event, h11.Data):
+            self._body += event.data
+            if len(self._body) > self._bounds.request:
+                raise WireError("XML-RPC request too long")
+        elif isinstance(event, h11.EndOfMessage):
+            self._busy = True
+            body = bytes(self._body)
+            self._body.clear()
+            self._serve(body)
+        elif isinstance(event, h11.ConnectionClosed):
+            self.close()
+            return False
+        return event is not h11.NEED_DATA and event is not h11.PAUSED
 
     def _write(self, data: bytes | None) -> None:
         if self._closed or not data:
@@ -80,7 +113,7 @@ class XmlRpcConnection:
         if not self._out:
             data = data[self._send(data) :]
         self._out += data
-        if len(self._out) > _MOST_UNREAD:
+        if len(self._out) > self._bounds.unread:
             raise WireError("the caller does not read its answers")
         if self._out:
             self._loop.await_writable(self._sock, self._writable)
@@ -91,7 +124,7 @@ class XmlRpcConnection:
             return
         self._loop.await_writable(self._sock, None)
         if self._http.our_state is h11.MUST_CLOSE:
-            self._close()
+            self.close()
 
     def _send(self, data: bytes) -> int:
         try:
@@ -103,15 +136,30 @@ class XmlRpcConnection:
         if self._closed:
             return
         if not self._busy:
-            self._close()
+            self.close()
             return
         self._busy = False
         self._loop.call_later(_IDLE_S, self._expire)
 
-    def _close(self) -> None:
-        self._closed = True
-        self._loop.forget(self._sock)
+    def close(self) -> None:
+        """Close the connection; a second time does nothing."""
+        if not self._closed:
+            self._closed = True
+            self._loop.forget(self._sock)
+            self.closed()
 
     def _broken(self, error: Exception) -> None:
         log.info("XML-RPC connection closed: %s", error)
-        self._close()
+        self.close()
+
+
+class XmlRpcConnection(HttpConnection):
+    """A connection to a slave API, each call answered at once."""
+
+    def __init__(self, loop: Loop, sock: socket.socket, dispatch: Dispatch) -> None:
+        super().__init__(loop, sock, self._answer)
+        self._dispatch = dispatch
+
+    def _answer(self, body: bytes) -> None:
+        method, params = decode_call(body)
+        self.reply(encode_response(self._dispatch(method, params)))

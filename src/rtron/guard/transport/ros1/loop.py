@@ -11,6 +11,7 @@ from contextlib import suppress
 from itertools import count
 
 from rtron.errors import RTronError
+from rtron.guard.starvation import end_starved
 
 log = logging.getLogger(__name__)
 
@@ -125,6 +126,8 @@ class Loop:
             if events & selectors.EVENT_WRITE and watch.writable:
                 watch.writable()
             self._flush()
+        except MemoryError:
+            end_starved()
         except Exception as error:
             if not isinstance(error, (OSError, RTronError)):
                 log.exception("internal error while serving a connection; it is closed")
@@ -158,6 +161,8 @@ class Loop:
     def _safely(self, callback: Callback) -> None:
         try:
             callback()
+        except MemoryError:
+            end_starved()
         except Exception:
             log.exception("internal error in a callback")
 

@@ -14,12 +14,14 @@ _PAUSE_S = 0.1
 
 
 class TcpServer:
-    """Accepts connections on a free port and hands each over, non-blocking."""
+    """Accepts connections and hands each over, non-blocking; port 0 is a free one."""
 
-    def __init__(self, loop: Loop, host: str, accepted: Callable[[socket.socket], object]) -> None:
+    def __init__(
+        self, loop: Loop, host: str, accepted: Callable[[socket.socket], object], port: int = 0
+    ) -> None:
         self._loop = loop
         self._accepted = accepted
-        self._sock = socket.create_server((host, 0), backlog=_BACKLOG)
+        self._sock = socket.create_server((host, port), backlog=_BACKLOG)
         self._sock.settimeout(0)
         self.port: int = self._sock.getsockname()[1]
         loop.watch(self._sock, self._accept, self._broken)

@@ -24,13 +24,19 @@ _WORKERS = 4
 
 
 class Ros1Transport:
-    """Nodes, topics and a clock on ROS 1; everything happens in the loop's thread."""
+    """Nodes, topics and a clock on ROS 1; everything happens in the loop's thread.
+
+    `public` is the master's address that others are told, where it is not the one we use.
+    """
 
     encoding = Encoding.ROS1
 
-    def __init__(self, loop: Loop, master: str, host: str | None = None) -> None:
+    def __init__(
+        self, loop: Loop, master: str, host: str | None = None, *, public: str = ""
+    ) -> None:
         self._loop = loop
         self._master = master
+        self._public = public or master
         self._host = host or own_host()
         self._nodes: dict[str, Node] = {}
         self._publications: dict[str, Publication] = {}
@@ -38,6 +44,7 @@ class Ros1Transport:
         self._server = TcpServer(loop, bind_host(self._host), self._accepted)
         self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()))
         self.killed: Callable[[str, str], None] = lambda node, reason: None
+        self.listened: Callable[[str, str], None] = lambda topic, node: None
         self.now = loop.now
         self.call_at = loop.call_at
 
@@ -76,6 +83,25 @@ class Ros1Transport:
         self._subscribe(subscriber, Subscription(topic, type, link, joined=True))
         return output
 
+    @property
+    def port(self) -> int:
+        """The TCPROS port that every node of ours answers at."""
+        return self._server.port
+
+    def addresses(self) -> dict[str, str]:
+        """Return the URI of each node of ours."""
+        return {name: node.uri for name, node in self._nodes.items()}
+
+    def listeners(self, topic: str) -> set[str]:
+        """Return what the subscribers that are connected to a topic of ours call themselves."""
+        publication = self._publications.get(topic)
+        return {link.node for link in publication.links} if publication else set()
+
+    def reclaim(self, name: str) -> None:
+        """Register all of a node again: the master gives a name to who took it last."""
+        if name in self._nodes:
+            self._registrar.everything(self._nodes[name])
+
     def remove(self, name: str) -> None:
         """Take a node out of the graph."""
         node = self._nodes.pop(name, None)
@@ -101,7 +127,7 @@ class Ros1Transport:
 
     def _node(self, name: str) -> Node:
         if name not in self._nodes:
-            node = Node(self._loop, name, self._host, self._master)
+            node = Node(self._loop, name, self._host, self._public)
             node.tcpros = (self._host, self._server.port)
             node.updated = lambda topic: self._registrar.subscribe(node, topic)
             node.killed = lambda reason: self.killed(name, reason)
@@ -122,6 +148,7 @@ class Ros1Transport:
             link.refuse(f"the guard does not publish {fields.get('topic', '')!r}")
         else:
             publication.admit(link, fields)
+            self.listened(publication.topic, link.node)
 
 
 class _Announced(Publication):
