@@ -285,6 +285,7 @@ def test_queued_commands_wait_for_gaps():
     node, proposals = tuned_grcn(grcn(flows=TIMED, **QUEUE), flow(gaps=took(2 * SECOND, p999=MS)))
     assert node.flows[0].timeout == 2500 * MS
     assert about(proposals, "timeout", "flow1").kind is CHANGE
+    assert not [each for each in proposals if each.key in ("done", "max_hold")]
     assert node.release_after == 500 * MS
     node, _ = tuned_grcn(grcn(**QUEUE), flow(gaps=took(2 * SECOND, p999=MS)))
     assert (node.flows[0].timeout, node.release_after) == (None, 2500 * MS)
@@ -298,6 +299,9 @@ def test_nobody_waits_in_a_queue_of_commands_for_the_last():
     fifo = grcn(flows=(TIMED[0], last), policy=PolicyName.FIFO_QUEUE)
     node, _ = tuned_grcn(fifo, flow(), figures)
     assert node.flows[1].timeout == 3 * SECOND
+    alone = grcn(flows=(last,), policy=PolicyName.FIFO_QUEUE)
+    node, _ = tuned_grcn(alone, figures)
+    assert node.flows[0].timeout == SECOND
 
 
 GOALS = {
@@ -326,6 +330,14 @@ def test_a_goal_gets_less_time_only_if_all_goals_took_less(count, undone, after)
     assert node.flows[0].timeout == after * SECOND
 
 
+def test_goals_of_one_flow_that_did_not_end_are_those_of_all():
+    takes = took(2 * SECOND, 20, usual=SECOND // 2)
+    blurred = goals("flow2", "/teleop", took(2 * SECOND, 20), undone=1)
+    node, proposals = tuned_grcn(grcn(**GOALS), goals(takes=takes), blurred)
+    assert node.flows[0].timeout == 10 * SECOND
+    assert "the end of 1 goal" in about(proposals, "timeout", "flow1").why
+
+
 def test_max_hold_follows_the_flow_that_takes_longest():
     figures = goals("flow2", "/teleop", took(100 * SECOND, 20))
     node, proposals = tuned_grcn(grcn(**GOALS), goals(), figures)
@@ -336,14 +348,18 @@ def test_max_hold_follows_the_flow_that_takes_longest():
     assert "too little is known of flow1" in about(proposals, "max_hold").why
 
 
-@pytest.mark.parametrize(("done", "told"), [("/done", "wrong"), (None, "missing")])
+@pytest.mark.parametrize(("done", "told"), [("/done", "is wrong"), (None, "names no topic")])
 def test_goals_without_an_end_are_looked_at(done, told):
     node = grcn(**GOALS | {"done": done})
     made, proposals = tuned_grcn(node, goals(takes=DurationFigures(), undone=7))
     assert made == node
     found = about(proposals, "done")
     assert found.kind is LOOK
-    assert f"`done` is {told}" in found.why
+    assert f"`done` {told}" in found.why
+    action = replace(node, topic="/go/goal", type="test/GoActionGoal")
+    asked = stream(goals(takes=DurationFigures()), topic=action.topic)
+    _, proposals = tuned(Plan(app="base", grcn=(action,)), run(asked))
+    assert "its server gave no result" in about(proposals, "done").why
 
 
 HELD = RefusalFigures(
@@ -361,6 +377,12 @@ def test_max_age_is_shorter_if_all_that_waited_went_sooner(held, after):
     )
     settings = GOALS | {"flows": FLOWS, "max_hold": 15 * SECOND}
     assert tuned_grcn(grcn(**settings), figures)[0].max_age == after * SECOND
+
+
+def test_max_hold_outlasts_three_times_what_is_usual_for_any_flow():
+    slow = goals("flow2", "/teleop", took(40 * SECOND, 20, usual=39 * SECOND))
+    node, _ = tuned_grcn(grcn(**GOALS), goals(takes=took(SECOND, 20)), slow)
+    assert node.max_hold == 120 * SECOND
 
 
 def test_max_age_stays_where_other_durations_change():
@@ -415,7 +437,9 @@ def test_a_short_run_shows_no_order(duration, moved):
 
 
 def test_the_figures_and_a_warning_stand_beside_a_new_order():
-    _, proposals = tuned_grcn(grcn(), steady(), seldom())
+    beside = (OverlapFigures(flow="unapproved", duration=59 * SECOND), *seldom().overlaps)
+    beside += (OverlapFigures(flow="flow3", duration=SECOND),)
+    _, proposals = tuned_grcn(grcn(), steady(), replace(seldom(), overlaps=beside))
     found = about(proposals, "priority", "flow2")
     assert (found.before, found.after) == ("1", "2")
     assert found.why == (
@@ -526,6 +550,11 @@ def test_what_the_user_s_limit_would_change_is_told(limit, told):
     made, proposals = threshold(ValueFigures(), node)
     assert made.max_vel_limit == limit
     assert sum(each.key == "max_vel_limit" for each in proposals) == told
+
+
+def test_a_limit_that_does_not_limit_is_not_told():
+    _, proposals = threshold(ValueFigures(), limited(PolicyName.SAFE, max_vel_limit=0.1))
+    assert not [each for each in proposals if each.key == "max_vel_limit"]
 
 
 @pytest.mark.parametrize("unseen", [0, 1])

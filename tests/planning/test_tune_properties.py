@@ -3,7 +3,7 @@
 from dataclasses import replace
 from random import Random
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_tune import (
     GOALS,
@@ -137,6 +137,7 @@ def _case(seed):
 CASES = st.integers(0, 2**32).map(_case)
 
 
+@settings(deadline=None)
 @given(CASES)
 def test_a_tuned_plan_is_read_as_it_was_written(case):
     plan, measured = case
@@ -161,6 +162,7 @@ def _waited(node, figures):
     ]
 
 
+@settings(deadline=None)
 @given(CASES)
 def test_what_changes_outlasts_all_that_was_measured(case):
     plan, measured = case
@@ -178,6 +180,7 @@ def test_what_changes_outlasts_all_that_was_measured(case):
             assert node.max_hold > max(each.takes.max for each in figures.flows if each.takes.count)
 
 
+@settings(deadline=None)
 @given(CASES)
 def test_what_makes_the_robot_safe_never_becomes_weaker_by_much(case):
     plan, measured = case
@@ -198,6 +201,7 @@ def test_what_makes_the_robot_safe_never_becomes_weaker_by_much(case):
         )
 
 
+@settings(deadline=None)
 @given(CASES)
 def test_proposals_tell_exactly_what_changes(case):
     plan, measured = case
@@ -208,6 +212,7 @@ def test_proposals_tell_exactly_what_changes(case):
     assert bool(changes) is (made != plan)
 
 
+@settings(deadline=None)
 @given(CASES)
 def test_tuning_comes_to_rest(case):
     plan, measured = case

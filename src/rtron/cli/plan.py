@@ -19,11 +19,14 @@ from rtron.cli.options import (
     Live,
     Master,
     NoCache,
+    TextOrJson,
     Timeout,
 )
 from rtron.cli.outcome import STDOUT, Outcome, replace_file
 from rtron.cli.remarks import remarks_of
 from rtron.cli.static_app import StaticChoice
+from rtron.cli.tuning import Tuning, tuned
+from rtron.errors import InputError
 from rtron.planning.propose import left_out, propose_plan
 from rtron.planning.write import write_plan
 from rtron.reports.plan_text import plan_text
@@ -45,6 +48,17 @@ def plan(  # noqa: PLR0913 - one for each option
         Path | None,
         typer.Option("--output", "-o", metavar="rtron.yaml", help="Write the plan; - prints it."),
     ] = None,
+    from_run: Annotated[
+        Path | None,
+        typer.Option(metavar="RUN.json|BAG", help="Fit the plan to what a run measured."),
+    ] = None,
+    plan_file: Annotated[
+        Path | None,
+        typer.Option("--plan", metavar="rtron.yaml", help="The plan of that run."),
+    ] = None,
+    format: Annotated[
+        TextOrJson, typer.Option(help="What a run proposes: a report, or JSON.")
+    ] = TextOrJson.TEXT,
     jobs: Jobs = None,
     no_cache: NoCache = False,
 ) -> Outcome:
@@ -60,8 +74,25 @@ def plan(  # noqa: PLR0913 - one for each option
     $ rtron plan graph.json -o -           print the YAML
     $ rtron plan run.bag                   of what a bag shows, publishers only
 
+    Later, fit it to how the app behaves. A dry run measures it:
+
+    $ rtron guard --plan rtron.yaml --dry-run --figures run.json
+    $ rtron plan --from-run run.json --plan rtron.yaml
+    $ rtron plan --from-run run.json --plan rtron.yaml -o tuned.yaml
+    $ rtron plan --from-run run.bag --plan rtron.yaml --format json
+
+    It proposes priorities, times and frame thresholds, each with the
+    figures behind it. See docs/tuning.md.
+
     Exit code: 0 proposed, 2 bad input.
     """
+    if from_run:
+        if inputs or launch or live:
+            help = "the app is that of the plan: leave the others out"
+            raise InputError("--from-run and an app to read", help=help)
+        return tuned(Tuning(run=from_run, plan=plan_file, output=output, format=format))
+    if plan_file:
+        raise InputError("--plan without --from-run", help="`rtron check` checks a plan")
     static = StaticChoice(launches=launch or (), env=env or (), jobs=jobs, use_cache=not no_cache)
     chosen = Chosen(
         inputs=inputs or (), master=master if live else None, timeout=timeout, static=static

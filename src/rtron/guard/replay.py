@@ -3,21 +3,30 @@
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
+from rtron.guard.action.ends import STATUS
+from rtron.guard.action.guarded import GuardedAction
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.host import Host
+from rtron.guard.measuring.measuring import Measuring
 from rtron.guard.recorded import Places, Recorded
 from rtron.guard.senses import senses_of
 from rtron.guard.transport.memory import MemoryTransport
-from rtron.guard.transport.transport import Receive
+from rtron.guard.transport.transport import Peer, Receive
+from rtron.guard.types import standard_info
 from rtron.messages.encoding import Encoding
 from rtron.vocabulary import (
     SECOND,
+    SERVER,
+    ActionPart,
     Change,
     FlowCount,
     Plan,
     Replay,
+    Run,
     StreamCount,
     Verdict,
+    flow_topic,
+    part_topic,
 )
 
 MOST_CHANGES = 10_000
@@ -30,20 +39,26 @@ Message = tuple[int, Recorded, bytes]
 class Player:
     """Plays messages in the order of their times; what the guard would have said is noted.
 
-    Time that goes back in a recording stands still here.
+    Time that goes back in a recording stands still here. `measured`: figures are kept.
     """
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, *, measured: bool = False) -> None:
         self._places = Places.of(plan)
         self._transport = MemoryTransport(Encoding.ROS1 if plan.ros == 1 else Encoding.CDR)
-        self._host = Host(self._transport, self._places.streams, senses_of(plan))
+        self._measuring = Measuring(plan, self._transport) if measured else None
+        senses = self._measuring.senses if self._measuring else senses_of(plan)
+        self._host = Host(self._transport, self._places.streams, senses)
         self._receivers: dict[Recorded, Receive] = {}
         self._changes: list[Change] = []
         self._unseen = 0
         self._notes: list[str] = []
         self._messages = 0
         self._began: int | None = None
+        if self._measuring:
+            self._measuring.watch(self._host.guarded)
         self._host.guard()
+        for guarded in self._host.guarded:
+            self._serve(guarded)
         for guarded in self._host.guarded:
             guarded.pipeline.changed = partial(self._changed, guarded.stream.topic)
             guarded.told = partial(self._told, guarded)
@@ -63,6 +78,20 @@ class Player:
             if self._messages % _STEP == 0:
                 progress(self._messages)
         return self._found()
+
+    def _serve(self, guarded: GuardedStream) -> None:
+        """Let the server of an action be there, although its status may not be recorded."""
+        info = standard_info(STATUS, self._transport.encoding)
+        if isinstance(guarded, GuardedAction) and info:
+            status = part_topic(guarded.name, ActionPart.STATUS)
+            for server in guarded.stream.successors[:1]:
+                self._transport.publisher(flow_topic(status, SERVER), Peer(server, info))
+
+    def figures(self) -> Run:
+        """Return what was measured of all that was played."""
+        if self._measuring is None:
+            raise AssertionError("nothing was measured")
+        return self._measuring.run()
 
     def _pass_time(self, duration: int) -> None:
         """Let time pass; a long gap is mostly jumped over, since nothing can happen in it."""

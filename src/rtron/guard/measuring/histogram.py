@@ -1,0 +1,110 @@
+"""A histogram whose size does not depend on how much goes in: buckets a tenth apart.
+
+The idea is DDSketch's (Masson, Rim and Lee, VLDB 2019): a quantile of logarithmic buckets has a
+bounded relative error. Each bucket keeps its own extremes, so that the greatest value is exact and
+a quantile is one of the values that went in.
+"""
+
+import math
+from typing import Generic, TypeVar
+
+from rtron.vocabulary import DurationFigures, ValueFigures
+
+N = TypeVar("N", int, float)
+_FACTOR = 1.1
+_SCALE = 1 / math.log(_FACTOR)
+_SMALLEST = 1e-9
+_LARGEST = 1e20
+
+
+class _Bucket(Generic[N]):
+    __slots__ = ("count", "greatest", "least", "total")
+
+    def __init__(self, value: N) -> None:
+        self.count = 0
+        self.total: N = value - value
+        self.least: N = value
+        self.greatest: N = value
+
+    def add(self, value: N) -> None:
+        self.count += 1
+        self.total += value
+        if value < self.least:
+            self.least = value
+        elif value > self.greatest:
+            self.greatest = value
+
+
+class Histogram(Generic[N]):
+    """Counts finite numbers from 0 on; at most about 700 buckets ever."""
+
+    __slots__ = ("_buckets", "count")
+
+    def __init__(self) -> None:
+        self._buckets: dict[int, _Bucket[N]] = {}
+        self.count = 0
+
+    def add(self, value: N) -> None:
+        """Count a number."""
+        place = _place(value)
+        bucket = self._buckets.get(place)
+        if bucket is None:
+            bucket = self._buckets[place] = _Bucket(value)
+        bucket.add(value)
+        self.count += 1
+
+    def quantile(self, part: float, otherwise: N) -> N:
+        """Return a value that at least this part of all is not above, at most a tenth too high."""
+        rank, seen, found = math.ceil(part * self.count), 0, otherwise
+        for place in sorted(self._buckets):
+            if seen >= rank and seen:
+                break
+            seen += self._buckets[place].count
+            found = self._buckets[place].greatest
+        return found
+
+    def least(self, otherwise: N) -> N:
+        """Return the least value."""
+        return min((bucket.least for bucket in self._buckets.values()), default=otherwise)
+
+    def total(self, nothing: N) -> N:
+        """Return the sum of all values."""
+        return sum((bucket.total for bucket in self._buckets.values()), start=nothing)
+
+    def parted(self, limit: N) -> "tuple[Histogram[N], Histogram[N]]":
+        """Return what is at most `limit`, its bucket included, and what is above."""
+        low, high = Histogram[N](), Histogram[N]()
+        for place, bucket in self._buckets.items():
+            side = low if bucket.least <= limit else high
+            side._buckets[place] = bucket  # noqa: SLF001 - its own class
+            side.count += bucket.count
+        return low, high
+
+
+def duration_figures(durations: Histogram[int]) -> DurationFigures:
+    """Return the figures of durations (ns)."""
+    return DurationFigures(
+        count=durations.count,
+        p50=durations.quantile(0.5, 0),
+        p99=durations.quantile(0.99, 0),
+        p999=durations.quantile(0.999, 0),
+        max=durations.quantile(1, 0),
+    )
+
+
+def value_figures(values: Histogram[float]) -> ValueFigures:
+    """Return the figures of any values."""
+    return ValueFigures(
+        count=values.count,
+        min=values.least(0.0),
+        p50=values.quantile(0.5, 0.0),
+        p99=values.quantile(0.99, 0.0),
+        p999=values.quantile(0.999, 0.0),
+        max=values.quantile(1, 0.0),
+    )
+
+
+def _place(value: float) -> int:
+    if value <= _SMALLEST:
+        return 0
+    return 1 + int(math.log(min(value, _LARGEST) / _SMALLEST) * _SCALE)
