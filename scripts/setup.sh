@@ -10,8 +10,8 @@ RUN_PACKAGES=(
   python3-std-msgs python3-tf2-msgs
 )
 TEST_PACKAGES=(
-  chromium chromium-driver fonts-dejavu-core g++ libgeometry-msgs-dev libroscpp-dev libstd-msgs-dev
-  make pkg-config
+  chromium chromium-driver fonts-dejavu-core g++ libactionlib-dev libgeometry-msgs-dev libroscpp-dev
+  libstd-msgs-dev make pkg-config python3-actionlib
 )
 READY=.venv/.ready
 

@@ -33,7 +33,7 @@ from rtron.messages.actionlib import (
 )
 from rtron.messages.definition_text import parse_definition
 from rtron.messages.encoding import Encoding
-from rtron.policies.goals import AGAIN_AFTER
+from rtron.policies.goals import AGAIN_AFTER, MOST_GOALS
 from rtron.policies.listing import LOST_AFTER
 from rtron.vocabulary import SECOND, Flow, OnSilence, PolicyName, StreamKind
 
@@ -126,6 +126,10 @@ class Act:
         self.say("/rtron/act/result/server", SERVER, RESULT, framed(b"")) if not self.serving else 0
         self.say("/rtron/act/status/server", SERVER, STATUSES, status_message(*statuses))
 
+    def serving_again(self):
+        """Let the next status come over another connection."""
+        self._says.pop(("/rtron/act/status/server", SERVER))
+
     @property
     def serving(self):
         return self.action.server.empty_result is not None
@@ -152,7 +156,7 @@ class Act:
         return [(status.goal.id, status.status) for status in found]
 
     def told(self):
-        self.transport.advance(SECOND // 100)
+        self.transport.advance(SECOND // 50)
         return read_statuses(self.statuses[-1])
 
 
@@ -280,7 +284,8 @@ def test_cancelled_goals_leave_their_room_to_others():
     act.finish(b"a")
     assert act.started() == [b"a", b"d"]
     act.serve()
-    assert act.told() == {b"b": RECALLED, b"c": REJECTED, b"d": PENDING, b"e": PENDING}
+    over = {b"a": SUCCEEDED, b"b": RECALLED, b"c": REJECTED}
+    assert act.told() == over | {b"d": PENDING, b"e": PENDING}
 
 
 def test_the_id_of_anothers_goal_is_not_taken(act):
@@ -405,6 +410,71 @@ def test_a_goal_that_waited_too_long_is_recalled():
     assert act.answers() == [(b"b", RECALLED)]
     act.finish(b"a")
     assert act.started() == [b"a"]
+
+
+def test_a_goal_that_a_rule_refuses_when_its_turn_comes_holds_up_nobody():
+    act = Act()
+    act.serve()
+    for node, id in ((ONE, b"a"), (TWO, b"b"), (ONE, b"c")):
+        act.ask(node, id)
+    act.action.pipeline.policies[0].observe_done(0)
+    act.action.pipeline.bar("a rule", ["flow2"], "an area is closed")
+    act.finish(b"a")
+    act.transport.advance(0)
+    assert act.started() == [b"a", b"c"]
+    assert (b"b", RECALLED) in act.answers()
+
+
+def test_goals_wait_for_a_server_that_is_gone(act):
+    act.ask(ONE, b"a")
+    act.ask(TWO, b"b")
+    act.transport.leave("/rtron/act/status/server", Peer(SERVER, STATUSES))
+    act.transport.advance(LOST_AFTER)
+    assert (act.answers(), act.started()) == ([(b"a", ABORTED)], [b"a"])
+    act.transport.advance(SECOND)
+    act.serving_again()
+    act.serve()
+    assert act.started() == [b"a", b"b"]
+
+
+def test_goals_go_on_when_a_server_is_back_that_has_one_of_its_own(act):
+    act.ask(ONE, b"a")
+    act.ask(TWO, b"b")
+    act.serve(*active(b"a"))
+    act.transport.leave("/rtron/act/status/server", Peer(SERVER, STATUSES))
+    act.serving_again()
+    act.serve(*active(b"s1"))
+    assert act.started() == [b"a"]
+    act.serve(GoalStatus(GoalID(b"s1", 0), SUCCEEDED))
+    assert act.started() == [b"a", b"b"]
+
+
+def test_goals_reach_the_server_in_the_order_of_their_stamps(act):
+    act.ask(ONE, b"a", stamp=5)
+    act.ask(TWO, b"b", stamp=3)
+    act.ask(ONE, b"c", stamp=7)
+    act.finish(b"a")
+    act.finish(b"b")
+    assert [read_goal(message).stamp for message in act.to_server] == [5, 5, 7]
+
+
+def test_a_goal_that_is_over_stays_listed_until_its_result_has_surely_come(act):
+    act.ask(ONE, b"a")
+    act.serve(*active(b"a"))
+    act.finish(b"a")
+    act.serve()
+    assert act.told() == {b"a": SUCCEEDED}
+    act.transport.advance(AGAIN_AFTER)
+    act.serve()
+    assert act.told() == {}
+
+
+def test_goals_that_are_not_over_are_bounded():
+    act = Act(queue_size=2000)
+    act.serve()
+    for number in range(MOST_GOALS + 1):
+        act.ask(ONE, b"%d" % number)
+    assert act.answers() == [(b"%d" % MOST_GOALS, REJECTED)]
 
 
 def test_the_highest_goes_next():

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from rtron.policies.goals import (
     AGAIN_AFTER,
     LONGEST_ID,
-    MOST_GOALS,
+    MOST_FOREIGN,
     REMEMBERED,
     Goal,
     Goals,
@@ -79,11 +79,14 @@ def test_ids_are_bounded(length, why):
     assert bool(why) == bool(Goals().why_not(b"x" * length, ONE, 0))
 
 
-def test_goals_are_bounded():
-    made = goals(*(b"%d" % n for n in range(MOST_GOALS - 1)))
-    assert made.why_not(b"last", ONE, 0) == ""
-    made.add(goal(b"last"))
-    assert made.why_not(b"more", ONE, 0) == f"{MOST_GOALS} goals are not over"
+@pytest.mark.parametrize(("client", "free"), [("", False), (ONE, True)])
+def test_goals_without_a_client_are_bounded(client, free):
+    made = goals(*(b"%d" % n for n in range(MOST_FOREIGN - 1)), client="")
+    made.add(goal(b"own"))
+    assert made.why_not(b"last", client, 0) == ""
+    made.add(goal(b"last", ""))
+    full = f"{MOST_FOREIGN} goals have no client"
+    assert made.why_not(b"more", client, 0) == ("" if free else full)
 
 
 def test_what_is_remembered_is_bounded():

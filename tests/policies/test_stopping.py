@@ -97,6 +97,31 @@ def test_what_was_released_may_speak_again():
     assert (state(made), made.flow) == (State.MOVING, RELEASING)
 
 
+def test_what_somebody_else_has_stopped_is_not_ramped_down_once_more():
+    made = moving()
+    made.interrupt()
+    assert (state(made), made.deadline()) == (State.RELEASED, None)
+    made.refuse("rule", 5)
+    assert {velocity.speed for _, velocity in wave(made)} == {0.0}
+
+
+def test_what_somebody_else_has_stopped_moves_again_with_the_next_message():
+    made = moving()
+    made.interrupt()
+    made.said(FLOW, 7)
+    assert (state(made), made.deadline()) == (State.MOVING, 7 + SILENT)
+
+
+@pytest.mark.parametrize("refused", [False, True])
+def test_who_rests_or_is_being_stopped_is_not_interrupted(refused):
+    made = moving() if refused else stopping()
+    if refused:
+        made.refuse("rule", 5)
+    before = (state(made), made.deadline(), made.why)
+    made.interrupt()
+    assert (state(made), made.deadline(), made.why) == before
+
+
 def test_the_last_flow_says_what_silence_means():
     made = moving(flow=RELEASING)
     made.said(FLOW, 1)

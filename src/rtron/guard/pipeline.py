@@ -129,18 +129,29 @@ class Pipeline:
         return self.policies[0].owner if self.policies and not self.closed else None
 
     def _release(self, at: int, release: "Release", now: int) -> None:
-        """Let what the stage `at` releases go on; a rule of an earlier one may keep it low."""
-        verdict, flow, message = release.verdict, release.verdict.flow, release.message
+        """Let what the stage `at` releases go on; a rule of an earlier one may keep it low.
+
+        What is refused now is in progress nowhere: it shall not hold up the others.
+        """
+        verdict, message = release.verdict, release.message
+        if verdict.decision is Decision.DROP:
+            self._count(verdict)
+        else:
+            verdict = self._let_go(at, release, now)
+            if verdict.decision is Decision.DROP:
+                self.policies[at].observe_done(now)
+        if verdict.decision is Decision.DROP:
+            self.gave_up(message, verdict)  # type: ignore[arg-type]
+
+    def _let_go(self, at: int, release: "Release", now: int) -> Verdict:
+        verdict, flow = release.verdict, release.verdict.flow
         earlier = self.policies[:at] if release.restores else ()
         refusals = (policy.refusal(flow, now) for policy in earlier)
         refusal = self._barred(flow) or next(filter(None, refusals), None)
-        if refusal or verdict.decision is Decision.DROP:
-            verdict = refusal or verdict
-            self._count(verdict)
-        else:
-            verdict = self._go_on(at + 1, flow, message, now, verdict)  # type: ignore[arg-type]
-        if verdict.decision is Decision.DROP:
-            self.gave_up(message, verdict)  # type: ignore[arg-type]
+        if refusal is None:
+            return self._go_on(at + 1, flow, release.message, now, verdict)  # type: ignore[arg-type]
+        self._count(refusal)
+        return refusal
 
     def _go_on(
         self, first: int, flow: str, message: bytes, now: int, verdict: Verdict | None = None

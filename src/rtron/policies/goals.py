@@ -14,6 +14,9 @@ from typing import Any, Generic, TypeVar
 from rtron.vocabulary import SECOND
 
 MOST_GOALS = 1024
+"""The most goals of clients that may not be over; the guard refuses more."""
+MOST_FOREIGN = 64
+"""The most goals without a client that are known."""
 LONGEST_ID = 1024
 REMEMBERED = 4096
 AGAIN_AFTER = 5 * SECOND
@@ -115,7 +118,8 @@ class Goals:
         over = self._over.get(id)
         if over and (over.client != client or now < over.until):
             return "a goal that is over had this id"
-        return f"{MOST_GOALS} goals are not over" if len(self._goals) >= MOST_GOALS else ""
+        foreign = 0 if client else sum(not goal.client for goal in self)
+        return f"{MOST_FOREIGN} goals have no client" if foreign >= MOST_FOREIGN else ""
 
     def add(self, goal: Goal) -> None:
         """Take a goal, of which `why_not` said nothing."""

@@ -29,8 +29,9 @@ class Bequest:
         """Leave to the next guard whose goals there are."""
         if not self._keeping:
             self._keeping = True
-            self._transport.call_at(self._transport.now() + _KEEP_AFTER, self._kept)
+            self._transport.call_at(self._transport.now() + _KEEP_AFTER, self.keep_now)
 
-    def _kept(self) -> None:
+    def keep_now(self) -> None:
+        """Leave it before anything else happens: a goal that is answered must not be again."""
         self._keeping = False
         self._will.keep(self._name, self._goals.kept())

@@ -14,8 +14,8 @@ from rtron.vocabulary import SECOND, ActionPart
 
 log = logging.getLogger(__name__)
 
-_MOST_TOLD = 256
-_TELL_AFTER = SECOND // 100
+_MOST_TOLD = 1024
+_TELL_AFTER = SECOND // 50
 
 
 class Desk:
@@ -45,11 +45,15 @@ class Desk:
     def answer(self, goal: Goal, status: int, why: str) -> None:
         """Tell a client how its goal has ended."""
         told = GoalStatus(GoalID(goal.id, goal.stamp), status, why)
-        self._answered.append((self._transport.now() + AGAIN_AFTER, told))
+        self.keep_listed(told)
         if self._server.empty_result is not None:
             message = result_message(time.time_ns(), told, self._server.empty_result)
             self._parts.answer(ActionPart.RESULT, message)
         self.tell_soon()
+
+    def keep_listed(self, told: GoalStatus) -> None:
+        """List a goal that is over for a while: a client may get a status before its result."""
+        self._answered.append((self._transport.now() + AGAIN_AFTER, told))
 
     def tell_soon(self) -> None:
         """Tell the clients what has changed here; once for many changes."""

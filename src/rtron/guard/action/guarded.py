@@ -30,7 +30,7 @@ from rtron.messages.actionlib import (
     read_result,
     with_goal_id,
 )
-from rtron.policies.goals import Goal, Goals, Where
+from rtron.policies.goals import MOST_GOALS, Goal, Goals, Where
 from rtron.policies.listing import LOST_AFTER, TERMINAL, compare, find, lost
 from rtron.vocabulary import (
     SECOND,
@@ -73,7 +73,8 @@ class GuardedAction(GuardedStream):
         self._desk = Desk(self._parts, self.server, self.goals, transport, self._serves)
         self._bequest = Bequest(self.name, self.goals, will, transport)
         self._most_waiting = stream.queue_size
-        self._named = 0
+        self._named = self._newest = 0
+        self._absent = False
         self._halting = ""
         self._seldom = Seldom()
 
@@ -206,12 +207,15 @@ class GuardedAction(GuardedStream):
             return ""
         if not self._hears():
             return "the action server is not there"
+        if len(self.goals) > MOST_GOALS:
+            return f"{MOST_GOALS} goals are not over"
         own = sum(g.flow == goal.flow and g.where is Where.WAITING for g in self.goals)
         return f"{self._most_waiting} goals wait" if own > self._most_waiting else ""
 
     def _passed(self, flow: str, message: bytes, now: int) -> None:
-        super()._passed(flow, message, now)
-        goal = self.goals.find(read_goal(message).id)
+        asked = read_goal(message)
+        super()._passed(flow, self._in_order(asked, message), now)
+        goal = self.goals.find(asked.id)
         if goal:
             goal.where, goal.seen = Where.SENT, now
             self._current = goal
@@ -221,6 +225,13 @@ class GuardedAction(GuardedStream):
         goal = self.goals.find(read_goal(message).id)
         if goal and goal.where is Where.WAITING:
             self._answer(goal, RECALLED, verdict.reason)
+
+    def _in_order(self, asked: GoalID, message: bytes) -> bytes:
+        """Return a goal with no earlier stamp than the last: SimpleActionServers refuse others."""
+        self._newest = max(self._newest, asked.stamp)
+        if asked.stamp == self._newest:
+            return message
+        return with_goal_id(message, GoalID(asked.id, self._newest))
 
     def cancels_of(self, flow: str, peer: Peer) -> Receive | None:
         """Return what takes the cancels of a client."""
@@ -259,9 +270,12 @@ class GuardedAction(GuardedStream):
         """Learn that the server does not publish a part any more."""
         if part is ActionPart.STATUS and peer.node == self.server.node:
             log.warning("%s: the server %s is gone", self.name, peer.node)
+            now = self._transport.now()
             self.server.leave()
             self._parts.forget()
-            self._transport.call_at(self._transport.now() + LOST_AFTER, self._look_for_lost)
+            self._absent, self._current = True, None
+            self.pipeline.occupy(SERVER, now)
+            self._transport.call_at(now + LOST_AFTER, self._look_for_lost)
 
     def _status(self, message: bytes) -> None:
         now = self._transport.now()
@@ -276,7 +290,15 @@ class GuardedAction(GuardedStream):
             if not goal.client:
                 self._end(goal, now)
         self._look_for_lost()
+        self._welcome()
         self._desk.tell()
+
+    def _welcome(self) -> None:
+        """Let goals go again that waited for a server which is back, if it has none of its own."""
+        if self._absent and self._hears():
+            self._absent = False
+            if self._current is None:
+                self._done(b"")
 
     def _own_goal(self, message: bytes) -> None:
         """Take notice of a goal that the server gives itself, as move_base does."""
@@ -295,7 +317,8 @@ class GuardedAction(GuardedStream):
 
     def _result(self, message: bytes) -> None:
         now = self._transport.now()
-        id = read_result(message).goal.id
+        told = read_result(message)
+        id = told.goal.id
         if self.measured:
             self.measured.finished(id, now)
         goal = self.goals.find(id)
@@ -305,6 +328,8 @@ class GuardedAction(GuardedStream):
             self.goals.remember(id, "", now)
         else:
             self._end(goal, now)
+            self._desk.keep_listed(told)
+        self._bequest.keep_now()
         self._parts.answer(ActionPart.RESULT, message)
         if goal:
             self._turn_over(goal)

@@ -1,0 +1,25 @@
+#!/usr/bin/python3
+"""A wheel driver like driver.cpp: appends linear.x and angular.z of every /cmd_vel to a file."""
+
+from contextlib import suppress
+
+import rospy
+from geometry_msgs.msg import Twist
+
+
+def main():
+    _, path = rospy.myargv()
+    rospy.init_node("driver")
+    with open(path, "a", buffering=1) as file:  # noqa: PTH123
+        rospy.Subscriber(
+            "/cmd_vel",
+            Twist,
+            lambda told: file.write(f"{told.linear.x:g} {told.angular.z:g}\n"),
+            tcp_nodelay=True,
+        )
+        rospy.spin()
+
+
+if __name__ == "__main__":
+    with suppress(rospy.ROSInterruptException):
+        main()
