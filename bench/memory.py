@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench.guard import guard_pid
 from bench.part import Say
 from bench.settings import MEMORY_SECONDS, MESSAGES
 from bench.site import Site, python, result_of
@@ -50,7 +51,8 @@ def _marks(here: Site, say: Say, way: Way, names: Sequence[str]) -> dict[str, Ma
             result = _flood(here, way, _COUNTS[name] - received)
             received += result["received"]
             lost += result["lost"]
-            marks[name] = Mark(received, lost, resident(process.pid))
+            pid = guard_pid(here.environ["ROS_MASTER_URI"]) or process.pid
+            marks[name] = Mark(received, lost, resident(pid))
     return marks
 
 

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from bench.guard import guard_pid
 from bench.mission import EVENT, EVENT_NODE, GOAL, plan, pose, pose_type
 from bench.part import Say
 from bench.publishers import Publishers
@@ -31,11 +32,12 @@ _STAT_TIMES = slice(11, 13)
 def figures(here: Site, say: Say) -> Iterator[Figure]:
     """Give the guard's part of a core."""
     say(f"{_RULES} rules at {_RATE} Hz")
-    publishers = Publishers(here.environ["ROS_MASTER_URI"], pose_type(), {EVENT: EVENT_NODE})
+    master = here.environ["ROS_MASTER_URI"]
+    publishers = Publishers(master, pose_type(), {EVENT: EVENT_NODE})
     try:
-        with guarding(here, rules()) as guard:
+        with guarding(here, rules()):
             _wait_for(publishers)
-            part, rate = _watch(guard.pid, publishers)
+            part, rate = _watch(guard_pid(master), publishers)
     finally:
         publishers.close()
     yield Figure("rules.load", part, None, f"of a core at {rate:.0f} Hz", at_most=_AT_MOST)

@@ -10,6 +10,7 @@ from bench.headers import HANDSHAKE_S, read_header
 from bench.messages import Message
 from bench.node import Node
 from rtron.errors import RTronError
+from rtron.vocabulary import SUPERVISOR_NODE
 from rtron.wire.tcpros import encode_header
 from rtron.wire.xmlrpc import ros_call
 
@@ -18,11 +19,24 @@ Connected = Callable[[str, socket.socket], None]
 
 
 class Subscribers:
-    """Topics of one message type, subscribed by one node."""
+    """Topics of one message type, subscribed by one node.
+
+    The supervisor speaks only in a guard's place: who measures the way through the guard does not
+    listen to it.
+    """
 
     def __init__(
-        self, master: str, message: Message, name: str, topics: Sequence[str], connected: Connected
+        self,
+        master: str,
+        message: Message,
+        name: str,
+        topics: Sequence[str],
+        connected: Connected,
+        *,
+        supervised: bool = False,
     ) -> None:
+        """`supervised`: listen to the supervisor too."""
+        self._ignored = "" if supervised else SUPERVISOR_NODE
         self._message = message
         self._connected = connected
         self._known: set[tuple[str, str]] = set()
@@ -44,11 +58,17 @@ class Subscribers:
 
     def _try(self, topic: str, uri: str) -> None:
         try:
-            self._connected(topic, self._connect(topic, uri))
+            node, sock = self._connect(topic, uri)
         except (OSError, RTronError) as error:
             print(f"{topic} from {uri}: {error}", file=sys.stderr)
+            return
+        if node == self._ignored:
+            sock.close()
+        else:
+            self._connected(topic, sock)
 
-    def _connect(self, topic: str, uri: str) -> socket.socket:
+    def _connect(self, topic: str, uri: str) -> tuple[str, socket.socket]:
+        """Return who publishes, and the connection to it."""
         wanted = [["TCPROS"]]
         where = ros_call(uri, "requestTopic", self._node.name, topic, wanted, timeout=HANDSHAKE_S)
         sock = socket.create_connection((where[1], where[2]), HANDSHAKE_S)
@@ -57,7 +77,7 @@ class Subscribers:
         if "error" in answer:
             raise ConnectionError(answer["error"])
         sock.settimeout(0)
-        return sock
+        return answer.get("callerid", ""), sock
 
     def _header(self, topic: str) -> dict[str, str]:
         return {

@@ -1,6 +1,5 @@
 """`rtron guard`."""
 
-import logging
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -8,8 +7,9 @@ from typing import Annotated
 import typer
 
 from rtron.cli.assignments import assignments
+from rtron.cli.figures import Keeper
 from rtron.cli.options import DEFAULT_MASTER, Master, PlanOption
-from rtron.cli.outcome import Outcome
+from rtron.errors import InputError
 from rtron.planning.read import read_plan
 
 
@@ -33,12 +33,16 @@ def guard(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Let everything pass; report what would be done.")
     ] = False,
+    figures: Annotated[
+        Path | None,
+        typer.Option(metavar="RUN.json", help="Keep what a dry run measures, for `rtron plan`."),
+    ] = None,
     control: Annotated[
         Path | None,
         typer.Option(metavar="SOCKET", help="Where to listen for `rtron override`."),
     ] = None,
     log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
-) -> Outcome:
+) -> None:
     """Stand between the app's nodes, as the plan says, until stopped.
 
     The guarded launch starts it. Start it by hand to try a plan out, or to
@@ -46,15 +50,30 @@ def guard(
 
     $ rtron guard --plan rtron.yaml
     $ rtron guard --plan rtron.yaml --dry-run
+    $ rtron guard --plan rtron.yaml --dry-run --figures run.json
     $ rtron guard --plan rtron.yaml --master http://robot:11311 --log-level debug
 
     A master that does not answer is waited for. A dry run stands in the flows
     but forbids nothing: diagnostics and log tell what would have been stopped.
+    `rtron plan --from-run run.json` makes settings of the figures that it keeps.
+
+    Two processes: a supervisor, and the guard that it starts. When the guard
+    dies or stands still, the supervisor stops the robot and starts it again.
 
     Exit code: 0 stopped, 2 bad plan.
     """
-    from rtron.guard.run import run_guard  # noqa: PLC0415 - no other command needs a guard
+    from rtron.guard.supervision.start import supervise  # noqa: PLC0415 - no other needs a guard
 
     assignments(appended or ())
-    logging.basicConfig(level=log_level.value.upper(), format="%(levelname)s %(message)s")
-    return Outcome("", run_guard(read_plan(plan), master, dry_run=dry_run, control=control))
+    if figures and not dry_run:
+        help = "add --dry-run: only what nobody interferes with is worth measuring"
+        raise InputError("--figures without --dry-run", help=help)
+    keep = Keeper(figures.absolute()) if figures else None
+    supervise(
+        read_plan(plan),
+        master,
+        log_level=log_level.value.upper(),
+        dry_run=dry_run,
+        control=control,
+        figures=keep,
+    )

@@ -11,6 +11,7 @@ from rtron.cli.check import check
 from rtron.cli.explain import explain
 from rtron.cli.guard import guard
 from rtron.cli.instrument import instrument
+from rtron.cli.master import master
 from rtron.cli.mission import mission
 from rtron.cli.model import model
 from rtron.cli.outcome import BAD_INPUT, Outcome, complain, deliver
@@ -19,9 +20,23 @@ from rtron.cli.plan import plan
 from rtron.cli.replay import replay
 from rtron.cli.scan import scan
 from rtron.cli.schema import schema
+from rtron.cli.verify import verify
 from rtron.errors import RTronError
 
-COMMANDS = (scan, plan, check, instrument, replay, guard, override, explain, mission, schema)
+COMMANDS = (
+    scan,
+    plan,
+    check,
+    instrument,
+    replay,
+    guard,
+    master,
+    verify,
+    override,
+    explain,
+    mission,
+    schema,
+)
 
 app = typer.Typer(
     name="rtron",
@@ -68,6 +83,7 @@ def start(
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ rtron replay run.bag --plan rtron.yaml     what it would have done
     $ roslaunch guarded.launch             the app, guarded
+    $ rtron verify --live                  is the guard really in the way?
 
     Completion of commands and names: rtron --install-completion
     """

@@ -1,6 +1,6 @@
 """What a guarded stream publishes: to its successors, to tools, and between its own nodes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from rtron.guard.transport.transport import Output, Transport, TypeInfo
 from rtron.vocabulary import PRIVATE_ROOT, Stream, flow_topic, names_node, output_topic
@@ -18,6 +18,14 @@ class Ends:
         self._outputs: list[Output] = []
         self._mirrors: dict[str, Output] = {}
         self._joints: list[Output] = []
+        self._learned: Callable[[TypeInfo], None] | None = None
+        self._sent: Callable[[str, bytes], None] | None = None
+
+    def report(
+        self, learned: Callable[[TypeInfo], None], sent: Callable[[str, bytes], None]
+    ) -> None:
+        """Tell from now on which type was learned, and each message with its flow."""
+        self._learned, self._sent = learned, sent
 
     def open(self) -> None:
         """Advertise everything."""
@@ -29,6 +37,8 @@ class Ends:
         """Take the type from a publisher; False if it is not what is known or asked for."""
         ends = [*self._outputs, *self._mirrors.values(), *self._joints]
         learned = all(end.learn(info) for end in ends)
+        if learned and self._learned and info != self._info:
+            self._learned(info)
         self._info = info if learned else self._info
         return learned
 
@@ -43,6 +53,8 @@ class Ends:
     def send(self, flow: str, message: bytes) -> None:
         """Send a message that a flow said, or that is said in its place."""
         latched_by = self._latching.get(flow)
+        if self._sent:
+            self._sent(flow, message)
         for output in self._outputs:
             output.publish(message, latched_by)
         for name, mirror in self._mirrors.items():

@@ -5,13 +5,18 @@ import logging
 import resource
 import signal
 import sys
+from functools import partial
 from pathlib import Path
 
 from rtron.errors import SourceError
+from rtron.guard.audit.auditor import Auditor
 from rtron.guard.control import Answer, Control, control_path
+from rtron.guard.fence.place import private_master
 from rtron.guard.host import Host
+from rtron.guard.measuring.measuring import Measuring, Write
 from rtron.guard.overriding import Overriding
 from rtron.guard.senses import senses_of
+from rtron.guard.supervision.tie import Tie
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import Plan, streams
@@ -22,22 +27,41 @@ _SWITCH_S = 1e-4
 
 
 def run_guard(
-    plan: Plan, master: str, *, dry_run: bool = False, control: Path | None = None
+    plan: Plan,
+    master: str,
+    *,
+    dry_run: bool = False,
+    control: Path | None = None,
+    figures: Write | None = None,
+    tie: Tie | None = None,
 ) -> int:
     """Guard a plan's streams on the ROS 1 master at `master`; return the exit code.
 
     A dry run lets everything pass and reports what would have become of it. `control` is where
-    the guard listens for overrides, by default in the user's runtime folder. SourceError if the
-    plan is for ROS 2, whose transport is not there yet, or if `control` cannot be used.
+    the guard listens for overrides, by default in the user's runtime folder. `figures` keeps what
+    is measured meanwhile. `tie` connects the guard to its supervisor. SourceError if the plan is
+    for ROS 2, whose transport is not there yet, or if `control` cannot be used.
     """
     if plan.ros != 1:
         raise SourceError("this guard speaks ROS 1 only", help="the plan says `ros: 2`")
     _allow_many_connections()
     loop = Loop()
-    transport = Ros1Transport(loop, master)
-    host = Host(transport, streams(plan), senses_of(plan), dry_run=dry_run)
+    public, master = master, private_master(master)
+    transport = Ros1Transport(loop, master, public=public)
+    measuring = Measuring(plan, transport) if figures else None
+    senses = measuring.senses if measuring else senses_of(plan)
+    will = tie.will if tie else None
+    host = Host(transport, streams(plan), senses, dry_run=dry_run, will=will)
+    if tie:
+        tie.open(loop, host)
+    if measuring and figures:
+        measuring.watch(host.guarded)
+        measuring.keep(figures)
     door = _door(loop, plan, control, Overriding(host, transport).answer)
-    run_host(host, transport, loop)
+    auditor = Auditor(plan, master, host, transport, loop, dry_run=dry_run)
+    run_host(host, transport, loop, auditor, tie)
+    if measuring and figures:
+        figures(measuring.run())
     if door:
         door.close()
     loop.close()
@@ -55,22 +79,40 @@ def _door(loop: Loop, plan: Plan, control: Path | None, answer: Answer) -> Contr
         return None
 
 
-def run_host(host: Host, transport: Ros1Transport, loop: Loop) -> None:
+def run_host(
+    host: Host,
+    transport: Ros1Transport,
+    loop: Loop,
+    auditor: Auditor | None = None,
+    tie: Tie | None = None,
+) -> None:
     """Guard until SIGINT, SIGTERM or a kill of the guard's own node."""
 
-    def killed(node: str, reason: str) -> None:
+    def removed(node: str, reason: str) -> None:
         log.error("%s was shut down: %s", node, reason)
         transport.remove(node)
         if host.killed(node, reason):
             loop.stop()
 
+    def killed(node: str, reason: str) -> None:
+        if auditor:
+            auditor.shut(node, reason, partial(removed, node, reason))
+        else:
+            removed(node, reason)
+
     transport.killed = killed
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.post(loop.stop))
     host.open()
+    if auditor:
+        auditor.start()
     _favour_messages()
     log.info("guarding %d topics", len(host.guarded))
     loop.run()
+    if tie:
+        tie.close()
+    if auditor:
+        auditor.close()
     transport.close()
 
 

@@ -102,6 +102,10 @@ class Stopper:
         """Let the stop end as any other."""
         self._stopping.loosen()
 
+    def interrupt(self) -> None:
+        """Somebody else has stopped the robot."""
+        self._stopping.interrupt()
+
     def tick(self, now: int) -> None:
         """Send what is due."""
         velocity = self._stopping.tick(now)

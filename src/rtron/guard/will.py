@@ -22,7 +22,7 @@ class Will:
     """
 
     def __init__(
-        self, left: bytes = b"", write: Callable[[bytes], None] = lambda document: None
+        self, left: bytes = b"", write: Callable[[bytes], object] = lambda document: None
     ) -> None:
         """`left` is the document of the guard before; `write` keeps one of `MOST_BYTES` bytes."""
         self._write = write

@@ -1,0 +1,55 @@
+"""What is guarded, and how: the same for every guard that a supervisor starts.
+
+It is read once and handed on in memory, so that a plan that somebody edits meanwhile, or a folder
+that is gone, does not keep a guard from coming back.
+"""
+
+import hashlib
+import os
+import pickle
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from rtron.vocabulary import Mode, Plan, Stream, StreamKind, streams
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Order:
+    """A plan, the master, what else `run_guard` is told, and how much is logged."""
+
+    plan: Plan
+    master: str
+    log_level: str = "INFO"
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def digest(self) -> str:
+        """What tells one order from another."""
+        said = repr((self.plan, self.master)).encode() + pickle.dumps(self.options)
+        return hashlib.sha256(said).hexdigest()
+
+    def write(self) -> int:
+        """Return the descriptor of a file in memory with the order."""
+        descriptor = os.memfd_create("rtron-order", os.MFD_CLOEXEC)
+        with os.fdopen(os.dup(descriptor), "wb") as file:
+            file.write(pickle.dumps(self))
+        return descriptor
+
+
+def read_order(descriptor: int) -> Order:
+    """Return the order that a process of ours has written before it became this one."""
+    data = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
+    order: Order = pickle.loads(data)  # noqa: S301 - nobody else can have written it
+    return order
+
+
+def stoppable(stream: Stream) -> bool:
+    """Tell whether messages of a stream can move the robot, and the guard stands in its way."""
+    commands = stream.stages[0].settings.kind is StreamKind.COMMAND
+    return commands and stream.mode is Mode.ENFORCE
+
+
+def stopped_streams(plan: Plan) -> tuple[Stream, ...]:
+    """Return the streams of a plan that are stopped when the guard dies, in the plan's order."""
+    return tuple(filter(stoppable, streams(plan)))

@@ -1,0 +1,18 @@
+"""The supervisor as a program."""
+
+import logging
+import sys
+
+from rtron.guard.supervision.complaint import complaining
+from rtron.guard.supervision.order import read_order
+from rtron.guard.supervision.programs import descriptors
+from rtron.guard.supervision.supervisor import Supervisor
+from rtron.guard.transport.ros1.loop import Loop
+
+
+def main(numbers: str, *, stand_in: bool = False) -> None:
+    """Supervise by the order in the open file that is named; end with the exit code."""
+    (order_file,) = descriptors(numbers)
+    order = read_order(order_file)
+    logging.basicConfig(level=order.log_level, format="%(levelname)s supervisor: %(message)s")
+    sys.exit(complaining(lambda: Supervisor(order, order_file, Loop(), stand_in=stand_in).run()))
