@@ -9,7 +9,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from bench import (
+    actions,
+    audit,
+    audit_cost,
     chain,
+    churn,
     discovery,
     hop,
     load,
@@ -18,6 +22,7 @@ from bench import (
     replay,
     rules,
     silence,
+    supervisor,
     violations,
 )
 from bench.part import Part
@@ -35,7 +40,12 @@ PARTS: dict[str, Part] = {
     "chain": chain.figures,
     "load": load.figures,
     "silence": silence.figures,
+    "supervisor": supervisor.figures,
     "memory": memory.figures,
+    "actions": actions.figures,
+    "audit": audit.figures,
+    "audit_cost": audit_cost.figures,
+    "churn": churn.figures,
 }
 OUTPUT = ROOT / "build" / "bench.json"
 

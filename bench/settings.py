@@ -21,7 +21,17 @@ ENDPOINTS = _number("ENDPOINTS", 1_000_000)
 """Endpoints of the large graph."""
 SILENCES = _number("SILENCES", 200)
 """How often a stream falls silent, idle and busy."""
+DEATHS = _number("DEATHS", 50)
+"""How often the guard dies of each cause."""
 VIOLATIONS = _number("VIOLATIONS", 10_000_000)
 """Velocities that are generated."""
 REPLAYED = _number("REPLAYED", 200_000)
 """Messages of a bag that is replayed."""
+AUDIT_RUNS = _number("AUDIT_RUNS", 20)
+"""How often each intrusion is tried."""
+AUDIT_SECONDS = _number("AUDIT_SECONDS", 20)
+"""How long the audit's processor time is measured, s."""
+CHURN_SECONDS = _number("CHURN_SECONDS", 60)
+"""How long nodes come and go, s."""
+GOALS = _number("GOALS", 200)
+"""Goals of a run, one after the other."""

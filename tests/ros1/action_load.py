@@ -37,7 +37,7 @@ class Load:
         ]
         for client in self.clients:
             client.wait_for("connected")
-        self.act.flood(FLOOD)
+        self.act.flood(2 * FLOOD)  # rospy keeps about half of it up
         wait_for(lambda: self.flooded() > FLOOD / 10, what="the stranger")
         self._done = {}
 
@@ -91,7 +91,7 @@ class Load:
         late = set()
         for line in self.served.all("started"):
             name, number = _number_of(line.words[0])
-            if line.time - known[name][number] > self._max_age + _LATE:
+            if line.time - known.get(name, {}).get(number, line.time) > self._max_age + _LATE:
                 late.add((name, number))
         return late
 
@@ -104,6 +104,6 @@ class Load:
 
 
 def _number_of(goal_id):
-    """Return the client and the number that actionlib writes into an id."""
-    name, number, _ = goal_id.rsplit("-", 2)
-    return name, int(number)
+    """Return the client and the number that actionlib writes into an id; 0 for any other id."""
+    name, *number = goal_id.rsplit("-", 2)
+    return (name, int(number[0])) if len(number) > 1 else (goal_id, 0)

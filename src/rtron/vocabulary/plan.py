@@ -234,7 +234,7 @@ class Audit:
     whom the plan does not name there.
     """
 
-    period: int = SECOND // 15
+    period: int = 3 * SECOND // 40
     on_foreign: OnForeign = OnForeign.STOP
 
 

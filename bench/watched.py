@@ -1,0 +1,52 @@
+"""A file that a process writes its log to, line by line with the time each was seen."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from threading import Event, Thread
+
+_POLL_S = 0.001
+
+
+class Watched:
+    """Reads a growing file in a thread; `lines` are (ns of the steady clock, text)."""
+
+    def __init__(self, path: Path) -> None:
+        self.lines: list[tuple[int, str]] = []
+        self._path = path
+        self._ended = Event()
+        self._thread = Thread(target=self._follow, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Read no more."""
+        self._ended.set()
+        self._thread.join()
+
+    def find(self, word: str, after: int = 0) -> tuple[int, str] | None:
+        """Return the first line with a word that came after `after` (ns), None before."""
+        return next(
+            (line for line in list(self.lines) if line[0] > after and word in line[1]), None
+        )
+
+    def wait(self, word: str, after: int, limit_s: float) -> tuple[int, str]:
+        """Return the first such line, TimeoutError if it does not come."""
+        deadline = time.monotonic() + limit_s
+        while not (found := self.find(word, after)):
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"{word!r} was not said within {limit_s:g} s")
+            time.sleep(_POLL_S)
+        return found
+
+    def count(self, matches: Callable[[str], bool]) -> int:
+        """Return how many lines match."""
+        return sum(matches(text) for _, text in list(self.lines))
+
+    def _follow(self) -> None:
+        with self._path.open("rb") as file:
+            rest = b""
+            while not self._ended.wait(_POLL_S):
+                rest += file.read()
+                *whole, rest = rest.split(b"\n")
+                now = time.monotonic_ns()
+                self.lines += [(now, line.decode(errors="replace")) for line in whole]

@@ -1,0 +1,14 @@
+"""Makes the intruders of the measurements importable, which are no part of the package."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).parents[2]))
+from drive import compile_driver
+
+
+@pytest.fixture(scope="session")
+def roscpp_driver(tmp_path_factory):
+    return compile_driver(tmp_path_factory.mktemp("driver"))

@@ -1,0 +1,68 @@
+"""A guarded base under attack: a driver of either client library, navigation, and the guard."""
+
+from drive import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
+from harness import NODES, ROS_PYTHON, wait_for
+
+from bench.watched import Watched
+from rtron.vocabulary import AlarmKind
+
+OUT = f"/rtron{CMD_VEL}/out"
+STOP = ("0", "0")
+KINDS = tuple(
+    f": {kind}:" for kind in AlarmKind if kind not in (AlarmKind.GUARD, AlarmKind.SUPERVISOR)
+)
+
+
+class Scene:
+    """The base with its guard; `log` knows when the guard said what."""
+
+    def __init__(self, ros1, program, plan=None, *, drives=True):
+        self.ros1, self._program = ros1, program
+        self.driven = Driven(ros1.folder / "driven.txt")
+        self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD)
+        self.log = Watched(self.guard.log_path)
+        if drives:
+            self.drive()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.log.close()
+
+    def drive(self):
+        """Start the driver and wait until the guard has it."""
+        self.start_driver()
+        wait_for(self.driver_hears_guard, what="the driver's connection to the guard")
+
+    def start_driver(self):
+        words = [self._program, self.driven.path, "__name:=driver", f"{CMD_VEL}:={OUT}"]
+        if str(self._program).endswith(".py"):
+            words = [ROS_PYTHON, NODES / words[0], *words[1:]]
+        self.driver = self.ros1.spawn(*words)
+
+    def driver_hears_guard(self):
+        return self.hears(CMD_VEL_GUARD)
+
+    def hears(self, node):
+        """Tell whether the driver has a connection from a node, as far as the master knows it."""
+        uri = self.ros1.uri_of("/driver")
+        rows = (uri and self.ros1.ask(uri, "getBusInfo")) or []
+        return self.ros1.uri_of(node) in {row[1] for row in rows if row[4] == OUT}
+
+    def driver_uri(self):
+        return self.ros1.uri_of("/driver")
+
+    def navigate(self):
+        return self.ros1.node("nav.py", "/nav", f"{CMD_VEL}:=/rtron{CMD_VEL}/flow1")
+
+    def stops(self):
+        """Return how many messages told the driver to rest."""
+        return self.driven.messages().count(STOP)
+
+    def alarms(self, word="alarm:"):
+        return [text for _, text in self.log.lines if word in text]
+
+    def of_the_audit(self, word="alarm:"):
+        """Return the alarms that are not the supervisor's, about a machine that is too slow."""
+        return [text for text in self.alarms(word) if any(kind in text for kind in KINDS)]
