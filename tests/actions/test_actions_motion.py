@@ -129,10 +129,11 @@ class Poses(Base):
         """Wait until so many goals have started; return their numbers."""
         return [int(line.words[1]) for line in self.served.wait_for("started", count)]
 
-    def assert_one_after_the_other(self):
+    def assert_one_after_the_other(self, count):
         """Assert that each goal was done before the next started, and none was cancelled."""
+        self.served.wait_for("done", count, limit_s=5)
         did = [line.what for line in self.served.all("started", "done", "cancelled")]
-        assert did == ["started", "done"] * (len(did) // 2)
+        assert did == ["started", "done"] * count
 
     def _giver(self, n, name):
         numbers = self.ros1.folder / f"{name}.numbers"
@@ -153,8 +154,7 @@ def test_a_second_goal_without_an_id_waits_until_the_first_is_over(poses):
     assert poses.started(1) == [800]
     poses.give("other", 20)
     assert poses.started(2) == [800, 20]
-    poses.served.wait_for("done", 2)
-    poses.assert_one_after_the_other()
+    poses.assert_one_after_the_other(2)
 
 
 def test_a_goal_of_the_action_waits_until_one_without_an_id_is_over(poses):
@@ -164,7 +164,7 @@ def test_a_goal_of_the_action_waits_until_one_without_an_id_is_over(poses):
     poses.one.wait_for_state(1, "PENDING")
     assert poses.one.done(1) == {1: "SUCCEEDED"}
     assert poses.started(2) == [800, 20]
-    poses.assert_one_after_the_other()
+    poses.assert_one_after_the_other(2)
 
 
 def test_goals_of_both_kinds_that_wait_go_one_after_the_other(poses):
@@ -174,8 +174,7 @@ def test_goals_of_both_kinds_that_wait_go_one_after_the_other(poses):
     poses.one.send(300)
     assert poses.one.done(1) == {1: "SUCCEEDED"}
     assert poses.started(3) == [800, 300, 300]
-    poses.served.wait_for("done", 3)
-    poses.assert_one_after_the_other()
+    poses.assert_one_after_the_other(3)
 
 
 def test_a_goal_without_an_id_waits_for_a_goal_of_the_action(poses):
@@ -184,7 +183,7 @@ def test_a_goal_without_an_id_waits_for_a_goal_of_the_action(poses):
     poses.give("giver", 20)
     assert poses.one.done(1) == {1: "SUCCEEDED"}
     assert poses.started(2) == [800, 20]
-    poses.assert_one_after_the_other()
+    poses.assert_one_after_the_other(2)
 
 
 def test_a_rule_cancels_the_goal_that_one_without_an_id_has_become(poses):

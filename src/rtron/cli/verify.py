@@ -45,6 +45,7 @@ def verify(
     Exit code: 0 closed, 1 open or drifted, 2 it cannot be told.
     """
     from rtron.guard.audit.outside import verify_live  # noqa: PLC0415 - only who verifies needs it
+    from rtron.guard.fence.place import private_master  # noqa: PLC0415
 
     if not live:
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
@@ -53,7 +54,7 @@ def verify(
     if wanted.ros != 1:
         help = "`rtron verify` speaks ROS 1 only"
         raise PlanError("the plan says `ros: 2`", path=str(plan), help=help)
-    found = verify_live(wanted, master, timeout)
+    found = verify_live(wanted, private_master(master), timeout)
     code = OK if found.closed else FOUND if found.told else BAD_INPUT
     if format is TextOrJson.JSON:
         return Outcome(as_json(verified_json(found)), code)

@@ -22,19 +22,19 @@ class Brake:
         self._output: Output = transport.advertise(
             SUPERVISOR_NODE, output_topic(stream.topic), stream.type, queue_size=stream.queue_size
         )
-        self._info: TypeInfo | None = None
+        self._codec: VelocityCodec | None = None
         self._learned = 0
         self._stopper: Stopper | None = None
         self._since = 0
 
     def learn(self, cell: Cell) -> None:
-        """Take the type that the guard has learned, once it has."""
+        """Take the type that the guard has learned, once it has: when it dies there is no time."""
         if cell.count() == self._learned:
             return
         self._learned, data = cell.read()
         info = info_of(data)
-        if info and self._output.learn(info):
-            self._info = info
+        if info:
+            self._codec = self._codec_of(info) or self._codec
 
     def forget_guard(self) -> None:
         """Let another guard tell the type."""
@@ -45,7 +45,7 @@ class Brake:
 
         Otherwise it may be at rest, and a ramp would set it in motion: it is told to rest.
         """
-        codec = self._codec()
+        codec = self._codec or self._standard()
         if self._stopper or codec is None:
             return
         self._since, self._stopper = now, Stopper(self._stream, self._send)
@@ -76,14 +76,16 @@ class Brake:
     def _send(self, _flow: str, message: bytes) -> None:
         self._output.publish(message)
 
-    def _codec(self) -> VelocityCodec | None:
-        """Return how the stream's velocities are written; None if it has none that are known."""
-        encoding = self._transport.encoding
-        info = self._info or standard_info(self._stream.type, encoding)
-        codec = codec_of(info, encoding) if info else None
-        if info is None or codec is None or codec.is_limit or not self._output.learn(info):
-            return None
-        return codec
+    def _standard(self) -> VelocityCodec | None:
+        """Return how the stream's velocities are written by the standard, if nobody has told."""
+        info = standard_info(self._stream.type, self._transport.encoding)
+        return self._codec_of(info) if info else None
+
+    def _codec_of(self, info: TypeInfo) -> VelocityCodec | None:
+        """Return how velocities of a type are written; None if it has none that are known."""
+        codec = codec_of(info, self._transport.encoding)
+        known = codec is not None and not codec.is_limit and self._output.learn(info)
+        return codec if known else None
 
 
 class Brakes:
