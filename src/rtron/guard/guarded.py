@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.guard.ends import Ends
+from rtron.guard.latched import Latched
 from rtron.guard.override import Overridable
 from rtron.guard.pipeline import Pipeline
 from rtron.guard.senses import Senses
@@ -15,6 +16,7 @@ from rtron.guard.starvation import end_starved
 from rtron.guard.stopper import Stopper
 from rtron.guard.transport.transport import Peer, Receive, Transport, TypeInfo
 from rtron.guard.types import codec_of, standard_info
+from rtron.guard.will import Will
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     UNAPPROVED,
@@ -46,7 +48,13 @@ class GuardedStream:
     """
 
     def __init__(
-        self, stream: Stream, transport: Transport, senses: Senses, *, dry_run: bool = False
+        self,
+        stream: Stream,
+        transport: Transport,
+        senses: Senses,
+        will: Will,
+        *,
+        dry_run: bool = False,
     ) -> None:
         self.stream = _with_unapproved(stream)
         self.nodes = tuple(f"{PRIVATE_ROOT}/{stage.id}" for stage in stream.stages)
@@ -58,6 +66,7 @@ class GuardedStream:
         self.told: Callable[[], None] = lambda: None
         self.strangers: dict[str, int] = {}
         self.dry_run = dry_run
+        self._latched = Latched(stream.topic, will)
         self.measured: MeasuredStream | None = None
         self._transport = transport
         self._mission = senses.mission
@@ -169,9 +178,13 @@ class GuardedStream:
             return None
         return self._taking(UNAPPROVED, peer)
 
-    def _taking(self, flow: str, peer: Peer) -> Receive:  # noqa: ARG002
-        """Return what takes the messages of a publisher."""
-        return partial(self._receive, flow)
+    def _taking(self, flow: str, peer: Peer) -> Receive:
+        """Return what takes the messages of a publisher; a latched goal is taken once."""
+        take = partial(self._receive, flow)
+        goals = self.stream.stages[0].settings.kind is StreamKind.ACTION
+        if goals and peer.latching and not self.dry_run:
+            return self._latched.once(peer.node, take)
+        return take
 
     def _connect_done(self, peer: Peer) -> Receive | None:
         said_by_successor = any(names_node(each, peer.node) for each in self.stream.successors)

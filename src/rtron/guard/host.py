@@ -94,9 +94,9 @@ class Host:
         return [*statuses(self.guarded, self.senses, now), *alarm_statuses(self.alarms, now)]
 
     def _guarded(self, stream: Stream) -> GuardedStream:
-        common = (stream, self._transport, self.senses)
+        common = (stream, self._transport, self.senses, self._will)
         if stream.mode is Mode.ENFORCE and stream.action:
-            action = GuardedAction(*common, self._will, dry_run=self._dry_run)
+            action = GuardedAction(*common, dry_run=self._dry_run)
             action.halted = partial(self._halted, action)
             return action
         if stream.mode is Mode.ENFORCE and followed_action(stream):

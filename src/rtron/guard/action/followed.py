@@ -11,6 +11,7 @@ from rtron.guard.seldom import Seldom
 from rtron.guard.senses import Senses
 from rtron.guard.transport.transport import Output, Peer, Receive, Transport
 from rtron.guard.types import standard_info
+from rtron.guard.will import Will
 from rtron.messages.actionlib import cancel_message, read_result, read_statuses
 from rtron.policies.following import Following
 from rtron.policies.listing import TERMINAL
@@ -34,9 +35,15 @@ class FollowedStream(GuardedStream):
     """A guarded stream whose messages become goals of an action that has a guard or has none."""
 
     def __init__(
-        self, stream: Stream, transport: Transport, senses: Senses, *, dry_run: bool = False
+        self,
+        stream: Stream,
+        transport: Transport,
+        senses: Senses,
+        will: Will,
+        *,
+        dry_run: bool = False,
     ) -> None:
-        super().__init__(stream, transport, senses, dry_run=dry_run)
+        super().__init__(stream, transport, senses, will, dry_run=dry_run)
         self._following = Following()
         self._guarded: GuardedAction | None = None
         self._cancels: Output | None = None

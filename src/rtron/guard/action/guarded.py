@@ -61,7 +61,7 @@ class GuardedAction(GuardedStream):
         *,
         dry_run: bool = False,
     ) -> None:
-        super().__init__(_roomy(stream), transport, senses, dry_run=dry_run)
+        super().__init__(_roomy(stream), transport, senses, will, dry_run=dry_run)
         self.goals = Goals()
         self.server = Server()
         self.appeared: list[Callable[[bytes], None]] = []
