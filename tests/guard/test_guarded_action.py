@@ -622,6 +622,39 @@ def test_an_action_waits_while_a_goal_without_an_id_is_in_progress():
     assert act.started() == [b"a"]
 
 
+def test_a_goal_without_an_id_waits_for_an_action():
+    act = Simple()
+    act.ask(ONE, b"a")
+    act.give(ONE, b"first")
+    assert act.simple == []
+    act.finish(b"a")
+    assert act.simple == [b"first"]
+
+
+def test_a_pose_that_becomes_no_goal_holds_up_nobody():
+    act = Simple()
+    act.give(ONE, b"first")
+    act.give(TWO, b"second")
+    act.ask(ONE, b"a")
+    act.transport.advance(5 * SECOND - 1)
+    assert (act.simple, act.started()) == ([b"first"], [])
+    act.transport.advance(1)
+    assert (act.simple, act.started()) == ([b"first", b"second"], [])
+    act.transport.advance(5 * SECOND)
+    assert act.started() == [b"a"]
+
+
+def test_a_followed_goal_that_is_cancelled_gives_its_turn_to_the_next():
+    act = Simple()
+    act.give(ONE, b"first")
+    act.give(TWO, b"second")
+    act.serve(*active(b"s1"))
+    act.host.guarded[1].pipeline.bar("a test", ["flow1"], "an area is closed")
+    act.host.attend()
+    act.finish(b"s1", PREEMPTED)
+    assert act.simple == [b"first", b"second"]
+
+
 def test_a_block_cancels_the_goal_that_was_followed():
     act = Simple()
     act.give(ONE, b"first")

@@ -19,6 +19,7 @@ from rtron.messages.actionlib import (
     read_result,
     read_statuses,
     result_message,
+    stamp_of,
     with_goal_id,
     with_statuses,
 )
@@ -96,6 +97,18 @@ def test_statuses_are_read_and_added(told, more, frame):
     assert read_statuses(message) == {each.goal.id: each.status for each in told}
     assert behind_header(message) == behind_header(array_of(told, frame + "other"))
     assert with_statuses(message, more) == array_of([*told, *more], frame)
+
+
+@given(st.lists(statuses, min_size=1, max_size=4, unique_by=lambda each: each.goal.id))
+def test_the_stamp_of_a_listed_goal_is_found(told):
+    first = told[0].goal
+    assert stamp_of(array_of(told[:1]), first.id) == first.stamp
+
+
+@pytest.mark.parametrize("id", [b"other", b"an id that is longer than the whole message" * 9])
+def test_a_goal_that_is_not_listed_has_no_stamp(id):
+    with pytest.raises(WireError, match="not listed"):
+        stamp_of(array_of([GoalStatus(GoalID(b"id", 5), 1)]), id)
 
 
 @given(statuses, stamps, texts)

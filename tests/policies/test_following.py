@@ -51,3 +51,17 @@ def test_what_is_said_next_is_followed_in_its_place():
     made.said("flow2")
     assert (made.flow, made.goal) == ("flow2", None)
     assert not made.over(b"first") or made.goal is None
+
+
+def test_what_does_not_appear_is_given_up():
+    made = following()
+    assert made.expecting
+    made.give_up()
+    made.appears(b"late")
+    assert (made.expecting, made.goal) == (False, None)
+
+
+def test_what_has_appeared_is_expected_no_more():
+    made = following()
+    made.appears(b"new")
+    assert not made.expecting

@@ -77,6 +77,16 @@ def read_statuses(message: bytes) -> dict[bytes, int]:
     return found
 
 
+def stamp_of(message: bytes, id: bytes) -> int:
+    """Return the stamp (ns) of a goal that a GoalStatusArray lists."""
+    first = _after_header(message) + _U32.size + _STAMP.size
+    at = message.find(_string(id), first)
+    if at < 0:
+        raise WireError("a goal is not listed")
+    seconds, nanoseconds = _STAMP.unpack_from(message, at - _STAMP.size)
+    return int(seconds) * SECOND + int(nanoseconds)
+
+
 def _states(message: bytes, count: int, at: int) -> tuple[dict[bytes, int], int]:
     """Return what `count` entries from `at` say, and where they end; not slow for thousands."""
     found: dict[bytes, int] = {}

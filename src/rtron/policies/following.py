@@ -19,6 +19,15 @@ class Following:
         """Expect a goal: something of `flow` went out."""
         self._expecting, self.flow, self.goal = True, flow, None
 
+    @property
+    def expecting(self) -> bool:
+        """Whether the goal has not appeared yet."""
+        return self._expecting
+
+    def give_up(self) -> None:
+        """Expect no goal any more: what was said has become none."""
+        self._expecting = False
+
     def sees(self, ids: Iterable[bytes]) -> None:
         """Take the goals that there are; one that was not there before may be the expected one."""
         seen = frozenset(ids)

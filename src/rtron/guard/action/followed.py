@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from functools import partial
 from typing import TypeVar
 
 from rtron.errors import WireError
@@ -15,9 +16,11 @@ from rtron.guard.will import Will
 from rtron.messages.actionlib import cancel_message, read_result, read_statuses
 from rtron.policies.following import Following
 from rtron.policies.listing import TERMINAL
-from rtron.vocabulary import ActionPart, Stream, normalise_type, part_topic
+from rtron.vocabulary import SECOND, SERVER, ActionPart, Stream, normalise_type, part_topic
 
 log = logging.getLogger(__name__)
+
+_APPEARS_WITHIN = 5 * SECOND
 
 T = TypeVar("T")
 
@@ -46,21 +49,27 @@ class FollowedStream(GuardedStream):
         super().__init__(stream, transport, senses, will, dry_run=dry_run)
         self._following = Following()
         self._guarded: GuardedAction | None = None
+        self._cancelled: bytes | None = None
+        self._said = 0
         self._cancels: Output | None = None
         self._seldom = Seldom()
 
     def follow(self, action: GuardedAction) -> None:
         """Hear of goals from the guard of the action, which nobody else hears first."""
         self._guarded = action
-        action.appeared.append(self._following.appears)
+        action.began.append(self._wait)
+        action.appeared.append(self._appeared)
         action.ended.append(self._ended)
+        action.freed.append(self._go_on)
 
     def attend(self, now: int) -> None:
         """Cancel the goal in progress if what asked for it may not go on."""
         super().attend(now)
         goal, flow = self._following.goal, self._following.flow
-        if goal is not None and not self.dry_run and (why := self.pipeline.refusal(flow, now)):
-            self._following.goal = None
+        if goal in (None, self._cancelled) or self.dry_run:
+            return
+        if why := self.pipeline.refusal(flow, now):
+            self._cancelled = goal
             log.warning("%s: goal %r is cancelled: %s", self.stream.topic, goal[:128], why)
             self._cancel(goal, why)
 
@@ -94,6 +103,35 @@ class FollowedStream(GuardedStream):
     def _passed(self, flow: str, message: bytes, now: int) -> None:
         super()._passed(flow, message, now)
         self._following.said(flow)
+        self._said += 1
+        if self._guarded:
+            self._guarded.expect()
+        self._transport.call_at(now + _APPEARS_WITHIN, partial(self._look_for, self._said))
+
+    def _look_for(self, said: int) -> None:
+        """Let others go if the server has made no goal of what was said."""
+        if said == self._said and self._following.expecting:
+            log.warning("%s: no goal has appeared", self.stream.topic)
+            self._following.give_up()
+            if self._guarded:
+                self._guarded.give_up(partial(self._done, b""))
+            else:
+                self._done(b"")
+
+    def _appeared(self, id: bytes) -> None:
+        """Take a goal that the server has given itself; nobody here may have asked for it."""
+        self._following.appears(id)
+        if id != self._following.goal:
+            self._wait()
+
+    def _go_on(self) -> None:
+        """Let goals go again that waited for one of the action."""
+        if self.pipeline.owner == SERVER:
+            self._done(b"")
+
+    def _wait(self) -> None:
+        """Let goals wait for one of the action."""
+        self.pipeline.occupy(SERVER, self._transport.now())
 
     def _status(self, message: bytes) -> None:
         statuses = self._read(read_statuses, message) or {}

@@ -28,6 +28,7 @@ from rtron.messages.actionlib import (
     read_cancel,
     read_goal,
     read_result,
+    stamp_of,
     with_goal_id,
 )
 from rtron.policies.goals import MOST_GOALS, Goal, Goals, Where
@@ -64,6 +65,8 @@ class GuardedAction(GuardedStream):
         super().__init__(_roomy(stream), transport, senses, will, dry_run=dry_run)
         self.goals = Goals()
         self.server = Server()
+        self.began: list[Callable[[], None]] = []
+        self.freed: list[Callable[[], None]] = []
         self.appeared: list[Callable[[bytes], None]] = []
         self.ended: list[Callable[[bytes], None]] = []
         self.halted: Callable[[str, str], None] = lambda node, why: None
@@ -74,7 +77,7 @@ class GuardedAction(GuardedStream):
         self._bequest = Bequest(self.name, self.goals, will, transport)
         self._most_waiting = stream.queue_size
         self._named = self._newest = 0
-        self._absent = False
+        self._absent = self._expecting = False
         self._halting = ""
         self._seldom = Seldom()
 
@@ -91,6 +94,18 @@ class GuardedAction(GuardedStream):
             if goal.where is Where.SENT and not goal.stopped and goal.flow in self.pipeline.tallies:
                 self._stop(goal, self.pipeline.refusal(goal.flow, now, goal.message or None))
         self._halt()
+
+    def expect(self) -> None:
+        """Let goals wait for one that the server is about to give itself."""
+        self._expecting = True
+        self.pipeline.occupy(SERVER, self._transport.now())
+
+    def give_up(self, done: Callable[[], None]) -> None:
+        """Expect no goal of the server's own any more, unless there is another after `done`."""
+        self._expecting = False
+        done()
+        if not self._expecting and self._current is None and not self._absent:
+            self._free()
 
     def stop(self, id: bytes, why: str) -> None:
         """Cancel a goal of the server's own, and stop what it moves."""
@@ -219,6 +234,8 @@ class GuardedAction(GuardedStream):
         if goal:
             goal.where, goal.seen = Where.SENT, now
             self._current = goal
+            for began in self.began:
+                began()
             self._bequest.keep()
 
     def _gave_up(self, message: bytes, verdict: Verdict) -> None:
@@ -273,7 +290,7 @@ class GuardedAction(GuardedStream):
             now = self._transport.now()
             self.server.leave()
             self._parts.forget()
-            self._absent, self._current = True, None
+            self._absent, self._current, self._expecting = True, None, False
             self.pipeline.occupy(SERVER, now)
             self._transport.call_at(now + LOST_AFTER, self._look_for_lost)
 
@@ -284,11 +301,12 @@ class GuardedAction(GuardedStream):
         for id in news.astray:
             self._cancel_at_server(id)
         for goal in news.found:
+            self._newest = max(self._newest, stamp_of(message, goal.id))
             self._found(goal, now)
         for goal in news.over:
-            self._turn_over(goal)
             if not goal.client:
                 self._end(goal, now)
+            self._turn_over(goal)
         self._look_for_lost()
         self._welcome()
         self._desk.tell()
@@ -298,7 +316,7 @@ class GuardedAction(GuardedStream):
         if self._absent and self._hears():
             self._absent = False
             if self._current is None:
-                self._done(b"")
+                self._free()
 
     def _own_goal(self, message: bytes) -> None:
         """Take notice of a goal that the server gives itself, as move_base does."""
@@ -309,7 +327,7 @@ class GuardedAction(GuardedStream):
 
     def _found(self, goal: Goal, now: int) -> None:
         """Let others wait for a goal that did not come through here."""
-        self._current = goal
+        self._current, self._expecting = goal, False
         self.pipeline.occupy(SERVER, now)
         self._bequest.keep()
         for appeared in self.appeared:
@@ -338,6 +356,13 @@ class GuardedAction(GuardedStream):
         """Let the next goal go if this was the one in progress."""
         if goal is self._current:
             self._current = None
+            self._free()
+
+    def _free(self) -> None:
+        """Let the next goal go: one that the server gives itself, if one waits, then our own."""
+        for freed in self.freed:
+            freed()
+        if not self._expecting:
             self._done(b"")
 
     def _look_for_lost(self) -> None:
