@@ -297,19 +297,22 @@ def test_the_id_of_anothers_goal_is_not_taken(act):
     assert act.answers() == [(b"a", SUCCEEDED)]
 
 
-def test_an_id_may_be_used_again_by_its_client_but_not_by_a_latched_message(act):
-    act.ask(ONE, b"a")
-    act.finish(b"a")
-    act.transport.advance(AGAIN_AFTER)
-    act.ask(ONE, b"a")
+def test_an_id_may_be_used_again_by_its_client(act):
+    for _ in range(2):
+        act.ask(ONE, b"a")
+        act.finish(b"a")
+        act.transport.advance(AGAIN_AFTER)
     assert act.started() == [b"a", b"a"]
-    act.finish(b"a")
-    act.transport.advance(AGAIN_AFTER)
-    act.say("/rtron/act/goal/flow2", TWO, GOAL, goal_message(b"t"), latching=True)
-    act.finish(b"t")
-    act.transport.advance(AGAIN_AFTER)
-    act.ask(TWO, b"t")
-    assert act.started() == [b"a", b"a", b"t"]
+
+
+@pytest.mark.parametrize(("latching", "runs"), [(True, 1), (False, 2)])
+def test_a_latched_goal_does_not_run_again_over_a_new_connection(act, latching, runs):
+    for _ in range(2):
+        say = act.transport.publisher("/rtron/act/goal/flow1", Peer(ONE, GOAL, latching))
+        say(goal_message(b"a"))
+        act.finish(b"a")
+        act.transport.advance(AGAIN_AFTER)
+    assert act.started() == [b"a"] * runs
 
 
 def test_an_empty_id_gets_a_name(act):
@@ -566,6 +569,33 @@ def test_a_recording_of_the_app_without_a_guard_is_judged_as_a_whole():
     found = Player(plan).play(((n, *row) for n, row in enumerate(rows)), lambda _: None)
     ((count, _),) = (stream.flows for stream in found.streams)
     assert (count.passed, count.held, count.dropped) == (2, 2, 1)
+
+
+def test_a_goal_that_was_answered_is_not_again_by_the_next_guard():
+    written = []
+    act = Act(will=Will(write=written.append))
+    act.serve()
+    act.ask(ONE, b"a")
+    act.transport.advance(SECOND)
+    act.finish(b"a")
+    again = Act(will=Will(written[-1]))
+    again.serve()
+    again.transport.advance(LOST_AFTER)
+    again.serve()
+    again.finish(b"a")
+    assert again.answers() == []
+
+
+def test_the_next_guard_knows_the_stamp_of_the_last_goal():
+    written = []
+    act = Act(will=Will(write=written.append))
+    act.serve()
+    act.ask(ONE, b"a", stamp=9 * SECOND)
+    act.finish(b"a")
+    again = Act(will=Will(written[-1]))
+    again.serve()
+    again.ask(ONE, b"b", stamp=5 * SECOND)
+    assert read_goal(again.to_server[0]).stamp == 9 * SECOND
 
 
 def test_a_cancel_message_means_one_goal():

@@ -171,16 +171,59 @@ def test_the_next_guard_knows_the_same(every, over):
         made.remember(id, ONE, 0)
     again = Goals()
     again.restore(json.loads(json.dumps(made.kept())), 7)
-    told = [(g.id, g.stamp, g.flow, g.client, g.where) for g in made]
-    assert [(g.id, g.stamp, g.flow, g.client, g.where) for g in again] == told
+    told = {(g.id, g.stamp, g.flow, g.client, g.where) for g in made}
+    assert {(g.id, g.stamp, g.flow, g.client, g.where) for g in again} == told
     assert all(g.seen == 7 and not g.message for g in again)
     assert all(again.is_over(id) for id in over)
-    assert again.kept() == made.kept()
 
 
 def test_what_is_left_to_the_next_guard_is_bounded():
     made = Goals()
     for number in range(300):
         made.remember(b"%d" % number, ONE, 0)
-    over = made.kept()["over"]
-    assert (len(over), over[0], over[-1]) == (256, ["44", ONE], ["299", ONE])
+    again = Goals()
+    again.restore(made.kept(), 0)
+    assert [again.is_over(b"%d" % n) for n in (43, 44, 299)] == [False, True, True]
+
+
+@pytest.mark.parametrize("letter", [b"x", b"\xff"])
+def test_long_ids_and_names_do_not_keep_others_from_being_known(letter):
+    made, rogue = Goals(), "/" + "\u00e9" * 1000
+    for number in range(600):
+        made.add(goal(letter * 1020 + b"%d" % number, rogue))
+        made.remember(letter * 1020 + b"over%d" % number, rogue, 0)
+    made.add(goal(b"waits"))
+    made.add(goal(b"runs"))
+    made.send(made.find(b"runs"), 0)
+    made.remember(b"done", ONE, 0)
+    kept = made.kept()
+    assert len(json.dumps(kept)) <= 1 << 17
+    again = Goals()
+    again.restore(kept, 0)
+    assert [again.find(id).client for id in (b"waits", b"runs")] == [ONE, ONE]
+    assert again.find(b"runs").where is Where.SENT
+    assert again.is_over(b"done")
+
+
+@pytest.mark.parametrize(("length", "fits"), [(1024, True), (1025, False)])
+def test_names_of_clients_are_bounded(length, fits):
+    assert (Goals().why_not(b"a", "x" * length, 0) == "") is fits
+
+
+def test_the_goals_of_a_flow_that_wait_are_counted():
+    made = goals(b"a", b"b", b"c")
+    assert (made.waiting("flow1"), made.waiting("flow2")) == (3, 0)
+    made.send(made.find(b"a"), 7)
+    made.send(made.find(b"a"), 8)
+    assert (made.waiting("flow1"), made.find(b"a").seen) == (2, 8)
+    made.end(made.find(b"a"), 0)
+    made.end(made.find(b"b"), 0)
+    assert made.waiting("flow1") == 1
+
+
+def test_stamps_never_go_back_also_with_the_next_guard():
+    made = Goals()
+    assert [made.in_order(stamp) for stamp in (5, 3, 7, 0)] == [5, 5, 7, 7]
+    again = Goals()
+    again.restore(made.kept(), 0)
+    assert again.in_order(6) == 7

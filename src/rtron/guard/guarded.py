@@ -181,10 +181,11 @@ class GuardedStream:
     def _taking(self, flow: str, peer: Peer) -> Receive:
         """Return what takes the messages of a publisher; a latched goal is taken once."""
         take = partial(self._receive, flow)
-        goals = self.stream.stages[0].settings.kind is StreamKind.ACTION
-        if goals and peer.latching and not self.dry_run:
-            return self._latched.once(peer.node, take)
-        return take
+        return self._latched.once(peer.node, take) if self._goes_once(peer) else take
+
+    def _goes_once(self, peer: Peer) -> bool:
+        goals = self.stream.stages[0].settings.kind is StreamKind.ACTION or self.stream.action
+        return bool(goals) and peer.latching and not self.dry_run
 
     def _connect_done(self, peer: Peer) -> Receive | None:
         said_by_successor = any(names_node(each, peer.node) for each in self.stream.successors)

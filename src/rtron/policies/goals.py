@@ -5,10 +5,11 @@ belongs to the client that brought it first, and only that client may cancel it.
 what is over is remembered for a while, since a goal must not run twice.
 """
 
-from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections import Counter, OrderedDict
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from hashlib import blake2b
 from typing import Any, Generic, TypeVar
 
 from rtron.vocabulary import SECOND
@@ -24,6 +25,7 @@ AGAIN_AFTER = 5 * SECOND
 _MOST_EARLY = 64
 _MOST_CLIENTS = 256
 _MOST_KEPT = 256
+_MOST_KEPT_BYTES = 1 << 16
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -95,7 +97,9 @@ class Goals:
 
     def __init__(self) -> None:
         self._goals: OrderedDict[bytes, Goal] = OrderedDict()
-        self._over: _Newest[bytes, _Over] = _Newest(REMEMBERED)
+        self._waiting: Counter[str] = Counter()
+        self.newest = 0
+        self._over: _Newest[str, _Over] = _Newest(REMEMBERED)
         self._early: _Newest[tuple[str, bytes], int] = _Newest(_MOST_EARLY)
         self._until: _Newest[str, int] = _Newest(_MOST_CLIENTS)
 
@@ -115,7 +119,9 @@ class Goals:
             return f"a goal id of {len(id)} bytes, the most is {LONGEST_ID}"
         if id in self._goals:
             return "another goal has this id"
-        over = self._over.get(id)
+        if len(client) > LONGEST_ID:
+            return f"a client's name of {len(client)} letters"
+        over = self._over.get(_digest(id))
         if over and (over.client != client or now < over.until):
             return "a goal that is over had this id"
         foreign = 0 if client else sum(not goal.client for goal in self)
@@ -124,19 +130,30 @@ class Goals:
     def add(self, goal: Goal) -> None:
         """Take a goal, of which `why_not` said nothing."""
         self._goals[goal.id] = goal
+        self._waiting[goal.flow] += goal.where is Where.WAITING
+
+    def waiting(self, flow: str) -> int:
+        """Return how many goals of a flow wait."""
+        return self._waiting[flow]
+
+    def send(self, goal: Goal, now: int) -> None:
+        """Know that a goal is with the server."""
+        self._waiting[goal.flow] -= goal.where is Where.WAITING
+        goal.where, goal.seen = Where.SENT, now
 
     def end(self, goal: Goal, now: int) -> None:
         """Forget a goal that is over, but for its id."""
         if self._goals.pop(goal.id, None):
+            self._waiting[goal.flow] -= goal.where is Where.WAITING
             self.remember(goal.id, goal.client, now)
 
     def remember(self, id: bytes, client: str, now: int) -> None:
         """Know that a goal is over."""
-        self._over.set(id, _Over(client, now + AGAIN_AFTER))
+        self._over.set(_digest(id), _Over(client, now + AGAIN_AFTER))
 
     def is_over(self, id: bytes) -> bool:
         """Tell whether a goal is known to be over."""
-        return id in self._over
+        return _digest(id) in self._over
 
     def cancelled(self, client: str, id: bytes, stamp: int, now: int) -> list[Goal]:
         """Return the goals that a cancel of `client` means, all of them its own.
@@ -158,24 +175,58 @@ class Goals:
         meant = noted is not None and now - noted < AGAIN_AFTER
         return meant or 0 < goal.stamp <= (self._until.get(goal.client) or 0)
 
+    def in_order(self, stamp: int) -> int:
+        """Return the stamp that a goal of `stamp` goes with: none is older than the one before.
+
+        SimpleActionServers refuse a goal that is older than their last.
+        """
+        self.newest = max(self.newest, stamp)
+        return self.newest
+
     def kept(self) -> Mapping[str, Any]:
-        """Return what a successor of this guard must know, as JSON."""
-        goals = [[_text(g.id), g.stamp, g.flow, g.client, g.where is Where.SENT] for g in self]
-        over = [[_text(id), over.client] for id, over in self._over.last(_MOST_KEPT)]
-        return {"goals": goals, "over": over}
+        """Return what a successor of this guard must know, as JSON of at most 128 KiB."""
+        goals = (
+            [g.id.hex(), g.stamp, g.flow, g.client, g.where is Where.SENT] for g in self._fair()
+        )
+        over = ([digest, o.client] for digest, o in reversed(self._over.last(_MOST_KEPT)))
+        return {
+            "goals": _within(_MOST_KEPT_BYTES, goals),
+            "over": _within(_MOST_KEPT_BYTES, over)[::-1],
+            "newest": self.newest,
+        }
 
     def restore(self, kept: Mapping[str, Any], now: int) -> None:
         """Take over from a guard that has ended."""
-        for id, client in kept["over"]:
-            self.remember(_bytes(id), client, now)
+        self.newest = kept["newest"]
+        for digest, client in kept["over"]:
+            self._over.set(digest, _Over(client, now + AGAIN_AFTER))
         for id, stamp, flow, client, sent in kept["goals"]:
             where = Where.SENT if sent else Where.WAITING
-            self.add(Goal(_bytes(id), stamp, flow, client, where=where, seen=now))
+            self.add(Goal(bytes.fromhex(id), stamp, flow, client, where=where, seen=now))
+
+    def _fair(self) -> Iterator[Goal]:
+        """Yield a goal of each client, then another of each, and so on; first those at the server.
+
+        A client with many goals must not keep those of others from being known.
+        """
+        turns: Counter[tuple[str, Where]] = Counter()
+        ranked = []
+        for goal in self:
+            turns[goal.client, goal.where] += 1
+            ranked.append((turns[goal.client, goal.where], goal.where is Where.WAITING, goal))
+        yield from (goal for _, _, goal in sorted(ranked, key=lambda each: each[:2]))
 
 
-def _text(id: bytes) -> str:
-    return id.decode("latin-1")
+def _digest(id: bytes) -> str:
+    return blake2b(id, digest_size=16).hexdigest()
 
 
-def _bytes(text: str) -> bytes:
-    return text.encode("latin-1")
+def _within(most: int, rows: Iterable[list[Any]]) -> list[list[Any]]:
+    """Return the first rows, as many as fit into `most` bytes of JSON."""
+    found = []
+    for row in rows:
+        most -= sum(8 + 6 * len(each) if isinstance(each, str) else 24 for each in row)
+        if most < 0:
+            break
+        found.append(row)
+    return found

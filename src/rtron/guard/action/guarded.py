@@ -76,7 +76,7 @@ class GuardedAction(GuardedStream):
         self._desk = Desk(self._parts, self.server, self.goals, transport, self._serves)
         self._bequest = Bequest(self.name, self.goals, will, transport)
         self._most_waiting = stream.queue_size
-        self._named = self._newest = 0
+        self._named = 0
         self._absent = self._expecting = False
         self._halting = ""
         self._seldom = Seldom()
@@ -171,7 +171,8 @@ class GuardedAction(GuardedStream):
             return super()._taking(flow, peer)
         if self._is_server(peer):
             return self._reading(peer, self._own_goal)
-        return self._reading(peer, partial(self._goal, flow, peer))
+        take = self._reading(peer, partial(self._goal, flow, peer))
+        return self._latched.once(peer.node, take) if self._goes_once(peer) else take
 
     def _reading(self, peer: Peer, take: Callable[[bytes], None]) -> Receive:
         """Return what takes messages, and drops those that cannot be read."""
@@ -190,19 +191,13 @@ class GuardedAction(GuardedStream):
         if not asked.id:
             asked = GoalID(self._name_goal(now), asked.stamp)
             message = with_goal_id(message, asked)
-        if why := self._why_unheard(asked, peer, now):
+        if why := self.goals.why_not(asked.id, peer.node, now):
             self._complain(peer, why)
             return
         goal = Goal(asked.id, asked.stamp, flow, peer.node, message, seen=now)
         self.goals.add(goal)
         self._decide(goal, now)
         self._bequest.keep()
-
-    def _why_unheard(self, asked: GoalID, peer: Peer, now: int) -> str:
-        """Return why a goal is none that could be answered."""
-        if peer.latching and self.goals.is_over(asked.id):
-            return "an old goal, latched"
-        return self.goals.why_not(asked.id, peer.node, now)
 
     def _decide(self, goal: Goal, now: int) -> None:
         if self.goals.came_cancelled(goal, now):
@@ -224,15 +219,15 @@ class GuardedAction(GuardedStream):
             return "the action server is not there"
         if len(self.goals) > MOST_GOALS:
             return f"{MOST_GOALS} goals are not over"
-        own = sum(g.flow == goal.flow and g.where is Where.WAITING for g in self.goals)
-        return f"{self._most_waiting} goals wait" if own > self._most_waiting else ""
+        full = self.goals.waiting(goal.flow) > self._most_waiting
+        return f"{self._most_waiting} goals wait" if full else ""
 
     def _passed(self, flow: str, message: bytes, now: int) -> None:
         asked = read_goal(message)
         super()._passed(flow, self._in_order(asked, message), now)
         goal = self.goals.find(asked.id)
         if goal:
-            goal.where, goal.seen = Where.SENT, now
+            self.goals.send(goal, now)
             self._current = goal
             for began in self.began:
                 began()
@@ -244,11 +239,8 @@ class GuardedAction(GuardedStream):
             self._answer(goal, RECALLED, verdict.reason)
 
     def _in_order(self, asked: GoalID, message: bytes) -> bytes:
-        """Return a goal with no earlier stamp than the last: SimpleActionServers refuse others."""
-        self._newest = max(self._newest, asked.stamp)
-        if asked.stamp == self._newest:
-            return message
-        return with_goal_id(message, GoalID(asked.id, self._newest))
+        stamp = self.goals.in_order(asked.stamp)
+        return message if stamp == asked.stamp else with_goal_id(message, GoalID(asked.id, stamp))
 
     def cancels_of(self, flow: str, peer: Peer) -> Receive | None:
         """Return what takes the cancels of a client."""
@@ -301,7 +293,7 @@ class GuardedAction(GuardedStream):
         for id in news.astray:
             self._cancel_at_server(id)
         for goal in news.found:
-            self._newest = max(self._newest, stamp_of(message, goal.id))
+            self.goals.in_order(stamp_of(message, goal.id))
             self._found(goal, now)
         for goal in news.over:
             if not goal.client:
