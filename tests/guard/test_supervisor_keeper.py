@@ -5,6 +5,7 @@ import signal
 import pytest
 
 from rtron.guard.supervision.keeper import (
+    BEGINNING,
     ENDING,
     HUNG,
     LOST,
@@ -90,6 +91,39 @@ def test_a_guard_that_takes_too_long_to_start_is_killed():
     keeper.look(0, ABSENT)
     assert keeper.look(STARTING, ABSENT) == ()
     assert keeper.look(STARTING + 1, ABSENT) == (Act.KILL,)
+
+
+def test_a_guard_that_was_ready_is_given_less_time_to_begin_than_the_next():
+    keeper = Keeper(0)
+    keeper.look(0, ABSENT)
+    keeper.ready()
+    assert keeper.look(BEGINNING, ABSENT) == ()
+    assert keeper.look(BEGINNING + 1, ABSENT) == (Act.KILL,)
+    dead(keeper, BEGINNING + 1)
+    began = keeper.due
+    assert keeper.look(began, ABSENT) == (Act.SPAWN,)
+    assert keeper.look(began + STARTING, ABSENT) == ()
+    assert keeper.look(began + STARTING + 1, ABSENT) == (Act.KILL,)
+
+
+def test_a_guard_that_cannot_be_started_is_tried_again_later_and_later():
+    keeper = serving()
+    dead(keeper, 5 * SECOND)
+    now, delays = keeper.due, []
+    for _ in range(8):
+        assert keeper.look(now, ABSENT) == (Act.SPAWN,)
+        keeper.failed(now)
+        delays.append(keeper.due - now)
+        assert keeper.look(keeper.due - 1, ABSENT) == ()
+        now = keeper.due
+    assert delays == [SECOND * n // 4 for n in (1, 2, 4, 8, 16, 32, 40, 40)]
+
+
+def test_nobody_waits_for_a_guard_that_could_not_be_started():
+    keeper = Keeper(0)
+    keeper.look(0, ABSENT)
+    keeper.failed(0)
+    assert keeper.end(1) == (Act.LEAVE,)
 
 
 def test_a_guard_that_dies_again_and_again_is_waited_for_ever_longer_but_not_given_up():

@@ -12,8 +12,9 @@ from drive import CMD_VEL_GUARD, Driven, compile_driver, drive_plan, start_guard
 from harness import free_port, named, wait_for
 from said import TWIST, say
 
+from rtron.guard.supervision.keeper import STARTING
 from rtron.planning.write import write_plan
-from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, Plan
+from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan
 
 pytestmark = pytest.mark.ros1
 SPEED, FORBIDDEN = 0.8, 9.0
@@ -145,6 +146,37 @@ def test_the_robot_is_stopped_and_the_guard_comes_back(supervised, cause):
     assert "guard: the guard before" in diagnostics
 
 
+def spare_of(supervised):
+    """Return the guard that waits, once there is one."""
+    known = {supervised.guard, supervised.supervisor}
+    return wait_for(lambda: set(members(supervised.process.pid)) - known, what="a spare").pop()
+
+
+def test_a_supervisor_without_files_keeps_the_robot_stopped_and_starts_a_guard_later(supervised):
+    supervisor, told = supervised.supervisor, len(supervised.speeds())
+    spare, guard = spare_of(supervised), supervised.guard
+    _, most = limit = resource.prlimit(supervisor, resource.RLIMIT_NOFILE)
+    resource.prlimit(supervisor, resource.RLIMIT_NOFILE, (3, most))
+    for pid in (spare, guard):
+        os.kill(pid, signal.SIGKILL)
+    wait_for(lambda: "no guard can be started" in supervised.process.log, what="the failure")
+    stopped = supervised.wait_for_stop(told)
+    wait_for(lambda: supervised.speeds()[-1] == 0, what="the rest")
+    resource.prlimit(supervisor, resource.RLIMIT_NOFILE, limit)
+    supervised.wait_for_speed("the velocity through the next guard", stopped)
+    assert supervised.supervisor == supervisor
+
+
+def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
+    spare, told = spare_of(supervised), len(supervised.speeds())
+    os.kill(spare, signal.SIGSTOP)
+    os.kill(supervised.guard, signal.SIGKILL)
+    stopped = supervised.wait_for_stop(told)
+    limit_s = STARTING / SECOND / 2
+    wait_for(lambda: SPEED in supervised.speeds()[stopped:], limit_s, what="the next guard")
+    assert is_over(spare)
+
+
 def test_a_python_driver_is_stopped_too(ros1):
     start_guard(ros1, plan_with_a_blocked_flow(), CMD_VEL_GUARD)
     ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
@@ -273,11 +305,26 @@ def test_a_guard_that_hangs_does_not_keep_the_supervisor_from_ending(supervised)
     assert members(group) == []
 
 
-def test_a_guard_that_is_killed_by_rosnode_ends_both(supervised):
-    supervised.ros1.run("rosnode", "kill", GUARD_NODE)
-    wait_for(lambda: supervised.process.ended, what="the end")
-    assert supervised.process.code == 0
-    assert supervised.speeds()[-1] == 0.0
+@pytest.mark.parametrize("node", [GUARD_NODE, CMD_VEL_GUARD])
+def test_no_node_of_the_guard_is_ended_over_the_network(supervised, node):
+    guard, told = supervised.guard, len(supervised.speeds())
+    supervised.ros1.run("rosnode", "kill", node)
+    refused = f"{node} is not shut down, end rtron guard itself"
+    wait_for(lambda: refused in supervised.process.log, what="the refusal")
+    supervised.wait_for_speed("the velocity", told)
+    assert supervised.guard == guard
+    assert set(supervised.speeds()) == {SPEED}
+    assert supervised.ros1.connected(CMD_VEL_GUARD, "/driver", OUT)
+
+
+def test_a_flood_of_shutdowns_is_no_flood_of_log_lines(supervised):
+    before = len(supervised.process.log)
+    for node in (GUARD_NODE, SUPERVISOR_NODE):
+        uri = supervised.ros1.uri_of(node)
+        for _ in range(100):
+            supervised.ros1.ask(uri, "shutdown", "\n" + "x" * 10_000)
+        wait_for(lambda node=node: f"{node} " in supervised.process.log[before:], what="a refusal")
+    assert len(supervised.process.log) - before < 10_000
 
 
 def test_the_supervisor_is_not_ended_over_the_network(supervised):

@@ -16,6 +16,7 @@ from rtron.guard.host import Host
 from rtron.guard.measuring.measuring import Measuring, Write
 from rtron.guard.overriding import Overriding
 from rtron.guard.senses import senses_of
+from rtron.guard.shutdowns import Obeying, Refusing
 from rtron.guard.supervision.tie import Tie
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
@@ -86,19 +87,14 @@ def run_host(
     auditor: Auditor | None = None,
     tie: Tie | None = None,
 ) -> None:
-    """Guard until SIGINT, SIGTERM or a kill of the guard's own node."""
-
-    def removed(node: str, reason: str) -> None:
-        log.error("%s was shut down: %s", node, reason)
-        transport.remove(node)
-        if host.killed(node, reason):
-            loop.stop()
+    """Guard until SIGINT, SIGTERM or, unless it is supervised, a kill of the guard's own node."""
+    shutdowns = Refusing(loop) if tie else Obeying(host, transport, loop)
 
     def killed(node: str, reason: str) -> None:
         if auditor:
-            auditor.shut(node, reason, partial(removed, node, reason))
+            auditor.shut(node, reason, partial(shutdowns.shut, node, reason))
         else:
-            removed(node, reason)
+            shutdowns.shut(node, reason)
 
     transport.killed = killed
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -21,6 +21,7 @@ BEGIN = b"B"
 """What a supervisor says to the guard that it has started, when it is to guard."""
 _LONGEST = 1 << 10
 _PATIENCE_S = 3.0
+_PAUSE_S = 0.5
 _RETRY_S = 0.05
 _RETRIES = 20
 
@@ -56,7 +57,7 @@ class Door:
         self._sock = sock
         self._offered = offered
         self._taken = taken
-        loop.watch(sock, self._accept, lambda error: None)
+        loop.watch(sock, self._accept, lambda error: loop.pause(sock, _PAUSE_S))
 
     def close(self) -> None:
         """Be found no more."""
@@ -66,7 +67,8 @@ class Door:
         caller, _ = self._sock.accept()
         caller.settimeout(0)
         if peer_of(caller)[1] == os.getuid():
-            self._loop.watch(caller, lambda: self._answer(caller), lambda error: caller.close())
+            forget = self._loop.forget
+            self._loop.watch(caller, lambda: self._answer(caller), lambda error: forget(caller))
         else:
             caller.close()
 

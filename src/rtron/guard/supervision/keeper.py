@@ -16,6 +16,8 @@ HUNG = SECOND
 """Silence after which the guard is killed, ns."""
 STARTING = 20 * SECOND
 """How long a guard may take until its topics are open, ns."""
+BEGINNING = 2 * SECOND
+"""The same for a guard that had started up before and only waited to begin, ns."""
 ENDING = 8 * SECOND
 """How long a guard may take to end in order, ns."""
 LOST = SECOND // 2
@@ -75,6 +77,7 @@ class Keeper:
         self._ever = adopted
         self._failures = 0
         self._ends = False
+        self._patience = STARTING
 
     def look(self, now: int, sign: Sign) -> tuple[Act, ...]:
         """Look at the guard, every few milliseconds."""
@@ -98,14 +101,20 @@ class Keeper:
         self.phase, self._since = Phase.LOST, now
         return (Act.BRAKE,) if self._ever else ()
 
+    def ready(self) -> None:
+        """Take note that the guard which begins was ready, and needs little time."""
+        self._patience = BEGINNING
+
+    def failed(self, now: int) -> None:
+        """Take note that no guard could be started: another attempt is due later."""
+        self._await_next(now)
+
     def ended(self, now: int, code: int) -> tuple[Act, ...]:
         """Take note of the guard's exit code, minus the signal if one has killed it."""
         refused = code == TAKEN or (code == REFUSED and not self._ever)
         if self._ends or refused or code == OK:
             return self._leave(REFUSED if refused and not self._ends else OK)
-        self._due = now + self._delay(now)
-        self._served = None
-        self.phase = Phase.WAITING
+        self._await_next(now)
         return ()
 
     def end(self, now: int) -> tuple[Act, ...]:
@@ -129,11 +138,11 @@ class Keeper:
     def _wait(self, now: int) -> tuple[Act, ...]:
         if now < self._due:
             return ()
-        self.phase, self._since = Phase.STARTING, now
+        self.phase, self._since, self._patience = Phase.STARTING, now, STARTING
         return (Act.SPAWN,)
 
     def _start(self, now: int, sign: Sign) -> tuple[Act, ...]:
-        if self._overdue(now) or now - self._since > STARTING:
+        if self._overdue(now) or now - self._since > self._patience:
             return self._kill()
         if not sign.serving:
             return ()
@@ -161,6 +170,11 @@ class Keeper:
     def _leave(self, code: int) -> tuple[Act, ...]:
         self.phase, self.code = Phase.OVER, code
         return (Act.LEAVE,)
+
+    def _await_next(self, now: int) -> None:
+        self._due = now + self._delay(now)
+        self._served = None
+        self.phase = Phase.WAITING
 
     def _delay(self, now: int) -> int:
         """Return how long to wait: not at all after a guard that served, ever longer otherwise."""

@@ -100,8 +100,12 @@ class Page:
     def new(cls, streams: int) -> "Page":
         """Return a page of its own, all zero."""
         descriptor = os.memfd_create("rtron", os.MFD_CLOEXEC)
-        os.truncate(descriptor, _size(streams))
-        return cls(descriptor, streams)
+        try:
+            os.truncate(descriptor, _size(streams))
+            return cls(descriptor, streams)
+        except BaseException:
+            os.close(descriptor)
+            raise
 
     def __getitem__(self, field: Field) -> int:
         """Return a word."""

@@ -7,7 +7,9 @@ import signal
 from collections.abc import Iterable
 
 from rtron.errors import SourceError
+from rtron.guard.audit.shown import shown
 from rtron.guard.fence.place import private_master
+from rtron.guard.seldom import Seldom
 from rtron.guard.supervision.adoption import LEAVE
 from rtron.guard.supervision.brakes import Brakes
 from rtron.guard.supervision.keeper import STARVED, Act, Keeper, Phase, Sign
@@ -24,6 +26,7 @@ log = logging.getLogger(__name__)
 
 _CALM = SECOND
 _OWNER_S = 0.5
+_AGAIN = 5 * SECOND
 
 
 class Supervisor:
@@ -45,13 +48,15 @@ class Supervisor:
         self._loop = loop
         private = private_master(order.master)
         self._transport = Ros1Transport(loop, private, public=order.master)
-        self._transport.killed = _ignored
+        self._transport.killed = self._ignore
+        self._seldom = Seldom()
         page = self._ward.page if self._ward else Page.new(self._count)
         self._page = page
         self._brakes = Brakes(streams, self._transport, page)
         self._watchdog = Watchdog(loop.now())
         self._keeper = Keeper(loop.now(), adopted=self._ward is not None)
         self._spare: Ward | None = None
+        self._spare_due = 0
         self._why = self._news = ""
         self._leaving = self._told_to_end = self._hurries = False
         self._first_owner = 0
@@ -76,17 +81,22 @@ class Supervisor:
 
     def _look(self) -> None:
         now = self._loop.now()
+        self._loop.call_at(now + LOOK, self._look)
         self._page[Field.SUPERVISOR_BEAT] = now
         self._page[Field.OWNER] = self._owner()
+        try:
+            self._watch_guard(now)
+        finally:  # whatever fails there, the robot is stopped
+            braking = self._brakes.tick(now)
+        if self._leaving and (self._hurries or not braking):
+            self._loop.stop()
+
+    def _watch_guard(self, now: int) -> None:
         silent = self._watchdog.look(now, self._page[Field.GUARD_BEAT])
         serving, leaving = (bool(self._page[it]) for it in (Field.SERVING, Field.LEAVING))
         self._do(self._keeper.look(now, Sign(silent, serving, leaving)), now)
         self._bury(now)
         self._prepare(now)
-        braking = self._brakes.tick(now)
-        if self._leaving and (self._hurries or not braking):
-            self._loop.stop()
-        self._loop.call_at(now + LOOK, self._look)
 
     def _owner(self) -> int:
         """Return who has started this, or the first supervisor if a guard has started this."""
@@ -119,9 +129,10 @@ class Supervisor:
                     self._brakes.loosen()
 
     def _spawn(self, now: int) -> None:
-        ward, self._spare = self._spare, None
-        if ward is None or ward.code() is not None:
-            ward = spawn(self._order_file, self._count)
+        ward = self._ready() or self._started("no guard can be started")
+        if ward is None:
+            self._keeper.failed(now)
+            return
         ward.page[Field.OWNER], ward.page[Field.SUPERVISOR_BEAT] = self._owner(), now
         news = json.dumps({"why": self._news}).encode() if self._news else b""
         ward.begin(self._page.will.read()[1], news)
@@ -133,12 +144,31 @@ class Supervisor:
         self._tend(ward)
         log.info("the guard begins, process %d", ward.pid)
 
+    def _ready(self) -> Ward | None:
+        """Return the guard that waits, if it lives."""
+        ward, self._spare = self._spare, None
+        if ward and ward.code() is not None:
+            ward.dismiss()
+            return None
+        if ward:
+            self._keeper.ready()
+        return ward
+
+    def _started(self, otherwise: str) -> Ward | None:
+        """Start a guard; None if the system has nothing left for it now."""
+        try:
+            return spawn(self._order_file, self._count)
+        except OSError as error:
+            log.warning("%s, tried again soon: %s", otherwise, error)
+            return None
+
     def _prepare(self, now: int) -> None:
         """Have another guard ready, when this one has guarded for a moment."""
         serving = self._page[Field.SERVING]
         calm = self._keeper.phase is Phase.SERVING and serving and now - serving > _CALM
-        if calm and self._spare is None:
-            self._spare = spawn(self._order_file, self._count)
+        if calm and self._spare is None and now >= self._spare_due:
+            self._spare_due = now + _AGAIN
+            self._spare = self._started("the next guard cannot be made ready")
 
     def _tend(self, ward: Ward) -> None:
         self._loop.watch(
@@ -200,14 +230,14 @@ class Supervisor:
         self._told_to_end = True
         self._do(self._keeper.end(now), now)
 
+    def _ignore(self, node: str, reason: str) -> None:
+        """Go on: what stops the robot is not ended over the network."""
+        if self._seldom.may_say(node, self._loop.now()):
+            log.error("%s was told to shut down and does not: %s", node, shown(reason))
+
 
 def _told(code: int) -> str:
     """Return what became of a process."""
     if code < 0:
         return f"was killed by {signal.Signals(-code).name}"
     return "ran out of memory" if code == STARVED else f"ended with exit code {code}"
-
-
-def _ignored(node: str, reason: str) -> None:
-    """Go on: what stops the robot is not ended over the network."""
-    log.error("%s was told to shut down and does not: %s", node, reason)

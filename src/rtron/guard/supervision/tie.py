@@ -6,6 +6,7 @@ import os
 import signal
 import socket
 import subprocess
+from contextlib import suppress
 from functools import partial
 
 from rtron.guard.guarded import GuardedStream
@@ -83,13 +84,13 @@ class Tie:
             self._door.close()
 
     def _beat(self) -> None:
-        end_if_starving()
         now = self._loop.now()
+        self._loop.call_at(now + LOOK, self._beat)
+        end_if_starving()
         self._page[Field.GUARD_BEAT] = now
         self._page[Field.SERVING] = self._page[Field.SERVING] or now
         self._notice_stop()
         self._look(now)
-        self._loop.call_at(now + LOOK, self._beat)
 
     def _notice_stop(self) -> None:
         """See whether the supervisor has stopped the robot: a ramp would set it in motion again."""
@@ -123,8 +124,15 @@ class Tie:
             self._leave("the supervisor is gone, and who has started it too")
         elif now - self._lost_at >= ALONE and self._stand_in is None:
             self._lost_at = now
-            words = command(STAND_IN, [self._order_file])
+            self._start_supervisor()
+
+    def _start_supervisor(self) -> None:
+        words = command(STAND_IN, [self._order_file])
+        try:
             self._stand_in = subprocess.Popen(words, pass_fds=[self._order_file])  # noqa: S603
+        except OSError as error:
+            log.warning("no supervisor can be started, tried again soon: %s", error)
+        else:
             log.warning("a supervisor is started, process %d", self._stand_in.pid)
 
     def _leave(self, why: str) -> None:
@@ -152,7 +160,8 @@ class Tie:
     def _taken(self, life: socket.socket) -> None:
         former = self._life
         if former:
-            former.send(LEAVE)
+            with suppress(OSError):  # it may have just died
+                former.send(LEAVE)
             self._loop.forget(former)
         self._take(life)
         log.warning("the guard has a supervisor, process %d", peer_of(life)[0])

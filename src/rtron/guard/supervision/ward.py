@@ -71,15 +71,31 @@ class Ward:
 
 
 def spawn(order_file: int, streams: int) -> Ward:
-    """Start a guard with a page of its own; it waits until it is told to begin."""
+    """Start a guard with a page of its own; it waits until it is told to begin.
+
+    OSError if the system gives no memory, file or process for it.
+    """
     page = Page.new(streams)
+    try:
+        return _spawn(order_file, page)
+    except BaseException:
+        page.close()
+        raise
+
+
+def _spawn(order_file: int, page: Page) -> Ward:
     ours, its = socket.socketpair()
     # What a terminal says to all of us is the supervisor's to hear, also while the guard starts.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     files = (order_file, page.descriptor, its.fileno())
-    with its:
+    try:
         process = subprocess.Popen(command(GUARD, files), pass_fds=files)  # noqa: S603
-    signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    except BaseException:
+        ours.close()
+        raise
+    finally:
+        its.close()
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
     return Ward(process.pid, page, ours, process)
 
 
