@@ -7,6 +7,7 @@ import threading
 from xmlrpc.client import ServerProxy, dumps
 
 import pytest
+from harness import wait_for
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from masters import Master, fenced, posted, raw, serving
@@ -295,6 +296,45 @@ def test_too_many_long_calls_at_once_are_closed_and_short_ones_answered(
             sock.sendall(long)
             assert sock.recv(1) == answered
     assert ros_call(public, "getPid", "/x", timeout=10) == ["/x"]
+
+
+def test_long_calls_share_a_budget_and_short_ones_need_none(monkeypatch):
+    monkeypatch.setattr(proxy, "MOST_ASKED", 1 << 20)
+    head = b"POST /RPC2 HTTP/1.1\r\nHost: x\r\nContent-Length: 9000000\r\n\r\n"
+    with contextlib.ExitStack() as stack:
+        public = stack.enter_context(fenced(TOPICS, stack.enter_context(serving(Master()))))
+        port = int(public.rstrip("/").rpartition(":")[2])
+
+        def begun(size):
+            sock = stack.enter_context(socket.create_connection(("127.0.0.1", port), 10))
+            sock.sendall(head + b"x" * size)
+            return sock
+
+        begun(1 << 20)
+        wait_for(lambda: is_closed(begun(200_000)), what="the end of a caller that asks for more")
+        assert ros_call(public, "setParam", "/x", "/key", "y" * 50_000, timeout=10)
+        assert not is_closed(begun(1 << 16))
+
+
+def test_a_call_that_was_answered_or_given_up_leaves_its_budget_to_others(monkeypatch):
+    monkeypatch.setattr(proxy, "MOST_ASKED", 1 << 20)
+    with serving(Master()) as private, fenced(TOPICS, private) as public:
+        port = int(public.rstrip("/").rpartition(":")[2])
+        for _ in range(5):
+            assert ros_call(public, "setParam", "/x", "/key", "y" * 900_000, timeout=10)
+            with socket.create_connection(("127.0.0.1", port), 10) as sock:
+                sock.sendall(posted(b"x" * 900_000)[:-1])
+
+
+def is_closed(sock):
+    """Tell whether the other side has closed; the connection of one that goes on is silent."""
+    sock.settimeout(0.2)
+    try:
+        return sock.recv(1) == b""
+    except TimeoutError:
+        return False
+    except ConnectionError:
+        return True
 
 
 def test_nothing_is_asked_for_a_caller_that_has_left(public, master):

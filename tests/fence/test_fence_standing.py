@@ -9,11 +9,14 @@ from harness import wait_for
 from masters import Master, Slave, fenced, serving
 from plans import grcn, plan_of
 
+from rtron.guard.fence import standing
 from rtron.vocabulary.planned import planned_topics
 from rtron.wire.xmlrpc import call
 
 TOPICS = planned_topics(plan_of(grcn("/cmd_vel", ["/nav", "/teleop_*"], ["/driver"])))
 GUARD = "/rtron/grcn_cmd_vel"
+IPV4_HOSTS = ["127.0.0.1", "localhost", "127.0.0.2", "0.0.0.0"]
+HOSTS = [*IPV4_HOSTS, "[::1]", "[::ffff:127.0.0.1]", "localhost.", "no.such.invalid"]
 
 
 @pytest.fixture
@@ -101,7 +104,7 @@ def test_a_node_of_the_plan_must_answer_at_its_address(stack, register):
     assert register("/nav", stack.enter_context(serving(Slave(1))))
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "127.0.0.2", "0.0.0.0"])
+@pytest.mark.parametrize("host", HOSTS)
 def test_the_address_of_a_planned_node_is_no_others(stack, register, host):
     uri = stack.enter_context(serving(Slave(1)))
     assert register("/driver", uri)
@@ -121,6 +124,22 @@ def test_the_same_port_of_another_machine_is_another_address(stack, register):
 def test_the_address_of_the_guard_is_no_others(stack, register, master):
     uri = master.lookups[GUARD] = stack.enter_context(serving(Slave(1)))
     wait_for(lambda: not register("/thief", uri), what="the fence to know the guard's address")
+
+
+@pytest.mark.parametrize("node", ["/rtron_guard", "/rtron_supervisor"])
+def test_the_address_of_a_restarted_guard_is_no_others(stack, register, master, node):
+    for pid in (1, 2):
+        uri = master.lookups[node] = stack.enter_context(serving(Slave(pid)))
+        wait_for(lambda uri=uri: not register("/thief", uri), what="the fence to know the address")
+
+
+def test_names_of_a_pattern_are_bounded_and_those_of_the_plan_are_not(stack, register, monkeypatch):
+    monkeypatch.setattr(standing, "_MOST_STANDS", 2)
+    uris = [stack.enter_context(serving(Slave(pid))) for pid in range(5)]
+    assert [register(f"/teleop_{n}", uris[n]) for n in range(3)] == [True, True, False]
+    assert register("/teleop_0", uris[0])
+    assert register("/nav", uris[3])
+    assert register("/driver", uris[4])
 
 
 def test_a_node_registers_many_topics_at_once(stack, register):

@@ -2,6 +2,7 @@
 
 import logging
 
+from rtron.guard.seldom import Seldom
 from rtron.vocabulary import Alarm
 
 log = logging.getLogger(__name__)
@@ -12,12 +13,13 @@ _MOST = 256
 class Alarms:
     """What is wrong at this moment, and how often something was.
 
-    Bounded: a stranger who makes one alarm after the other does not fill the memory; what finds
-    no place is counted and logged.
+    Bounded: a stranger who makes one alarm after the other fills neither the memory nor the log;
+    what finds no place is counted, and one of it is logged each second.
     """
 
     def __init__(self) -> None:
         self._standing: dict[Alarm, int] = {}
+        self._seldom = Seldom()
         self.raised = 0
 
     @property
@@ -34,9 +36,11 @@ class Alarms:
         if alarm in self._standing:
             return False
         self.raised += 1
-        log.error("alarm: %s: %s", alarm.kind, alarm.reason)
-        if len(self._standing) < _MOST:
+        has_place = len(self._standing) < _MOST
+        if has_place:
             self._standing[alarm] = now
+        if has_place or self._seldom.may_say("no place", now):
+            log.error("alarm: %s: %s", alarm.kind, alarm.reason)
         return True
 
     def settle(self, alarm: Alarm) -> None:

@@ -1,6 +1,6 @@
 """One guarded node as the audit sees it: where it lives, what it said last, and since when not."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rtron.guard.audit.asker import Asker, request
 from rtron.guard.audit.bus_info import Link
@@ -17,8 +17,10 @@ _SHARE = 20
 class GuardedNode:
     """A node that hears the guard; `heard` are the topics on which it matters whom it hears.
 
-    `body` is the answer that `links` were read from. `seen` is when it last answered well (ns),
-    `fault` why it does not; `refused` tells that nothing listens at its address.
+    `body` is the answer that `links` were read from, `first` what the first answer from where the
+    node lives now told, None before there is one; its links have no ports. `seen` is when it last
+    answered well (ns), `fault` why it does not; `refused` tells that nothing listens at its
+    address.
     """
 
     name: str
@@ -27,6 +29,7 @@ class GuardedNode:
     seen: int
     body: bytes = b""
     links: frozenset[Link] = frozenset()
+    first: frozenset[Link] | None = None
     strangers: frozenset[Stranger] = frozenset()
     fault: str = "the master does not tell where it lives"
     refused: bool = False
@@ -38,6 +41,11 @@ class GuardedNode:
         """Note that the node has answered, and how."""
         self.seen, self.fault, self.refused = now, "", False
         self._retry = _FIRST_RETRY
+
+    def said(self, links: frozenset[Link]) -> None:
+        """Keep what the first answer told."""
+        if self.first is None:
+            self.first = frozenset(replace(link, port=None) for link in links)
 
     def failed(self, why: str, now: int, *, refused: bool = False) -> None:
         """Note that it has not; it is asked again after a while, each time a longer one."""
@@ -54,6 +62,7 @@ class GuardedNode:
         self.asked.asker.close()
         self.asked.not_before = 0
         self.body = b""
+        self.first = None
 
 
 def asker() -> Asker:

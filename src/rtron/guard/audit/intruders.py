@@ -46,7 +46,8 @@ class Intruders:
 
     A subscriber may keep the address of a guard or supervisor that is dead, until the master tells
     it of the next one. So an address where nobody listens is looked at again, for 5 s at most,
-    when the guard has just begun or when it was a planned publisher's. Nothing else is excused.
+    when the guard has just begun and the node's first answer had it, or when it was a planned
+    publisher's. Nothing else is excused.
     """
 
     def __init__(
@@ -167,9 +168,14 @@ class Intruders:
 
     def _excused(self, stranger: Stranger, case: _Case) -> bool:
         now = self._loop.now()
-        begins = now - self._began < _EXCUSED
+        begins = now - self._began < _EXCUSED and self._was_there(stranger)
         was = self._addresses.was(stranger.link.source) and now - case.since < _EXCUSED
         return case.alarm is None and (begins or was)
+
+    def _was_there(self, stranger: Stranger) -> bool:
+        """Tell whether the node had this connection when it was asked for the first time."""
+        node = self._nodes.by_name.get(stranger.node)
+        return node is not None and stranger.link in (node.first or ())
 
     def _tell(self, stranger: Stranger, case: _Case, identity: Identity) -> None:
         source = stranger.link.source

@@ -94,6 +94,7 @@ class GuardedNodes:
         node.body = body
         node.answered_well(now)
         node.took(took, now)
+        node.said(links)
         self._hear(node, links)
 
     def _failed(self, node: GuardedNode, error: Exception) -> None:

@@ -13,6 +13,7 @@ from rtron.guard.audit.expectations import Expectations
 from rtron.guard.audit.master_view import Threads, refuses, uri_of
 from rtron.guard.audit.response import Response
 from rtron.guard.audit.shown import shown
+from rtron.guard.seldom import Seldom
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import Alarm, AlarmKind
@@ -44,6 +45,7 @@ class OwnNames:
         self._claimed = claimed
         self._threads = Threads(loop, "audit-names", 2)
         self._asking = False
+        self._seldom = Seldom()
         self._alarms: dict[str, Alarm] = {}
 
     @property
@@ -62,7 +64,8 @@ class OwnNames:
         if _REPLACED not in reason:
             obey()
             return
-        log.error("%s is not shut down: its name was taken", node)
+        if self._seldom.may_say(node, self._loop.now()):
+            log.error("%s is not shut down: its name was taken", node)
         own = {name: uri for name, uri in self._transport.addresses().items() if name == node}
 
         def found(impostors: Mapping[str, str]) -> None:

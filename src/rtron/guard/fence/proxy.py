@@ -18,12 +18,14 @@ from rtron.guard.fence.refusals import Refusals
 from rtron.guard.fence.rules import APIS, MULTICALL, Topics, forbidden
 from rtron.guard.fence.standing import Standing
 from rtron.guard.fence.upstream import MOST, Upstream
-from rtron.guard.transport.ros1.http import Bounds, HttpConnection
+from rtron.guard.transport.ros1.http import Bounds, Budget, HttpConnection
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.wire.xmlrpc import MAX_BODY, decode_call, decode_response, encode_response, split_uri
 
 BOUNDS = Bounds(request=MAX_BODY, unread=MOST)
 MOST_CALLERS = 1000
+MOST_ASKED = 1 << 26
+"""How many bytes of long calls all callers together may have under way."""
 _SHORT = 1 << 16
 _MOST_BUNDLED = 1 << 14
 _MOST_LONG = 32
@@ -59,6 +61,8 @@ class Proxy:
         self.refusals = Refusals(loop.now)
         self.workers = ThreadPoolExecutor(2, thread_name_prefix="long calls")
         self.reading = 0
+        self.budget = Budget(MOST_ASKED)
+        self.read_budget = Budget(MOST_ASKED)
         self._callers: OrderedDict[int, Caller] = OrderedDict()
 
     def accept(self, sock: socket.socket) -> None:
@@ -91,7 +95,7 @@ class Caller:
         self._proxy = proxy
         self._upstream = Upstream(proxy.loop, *proxy.private)
         self._has_left = False
-        self._http = HttpConnection(proxy.loop, sock, self._serve, BOUNDS)
+        self._http = HttpConnection(proxy.loop, sock, self._serve, BOUNDS, proxy.budget)
         self._http.closed = self._closed
 
     def close(self) -> None:
@@ -111,12 +115,15 @@ class Caller:
         elif self._proxy.reading >= _MOST_LONG:
             raise WireError("too many long calls at once")
         else:
+            self._proxy.read_budget.take(len(body))  # what is read outlasts its connection
             self._proxy.reading += 1
             work = self._proxy.workers.submit(understood, body)
-            work.add_done_callback(lambda w: self._proxy.loop.post(lambda: self._take_read(w)))
+            read = partial(self._take_read, size=len(body))
+            work.add_done_callback(lambda w: self._proxy.loop.post(partial(read, w)))
 
-    def _take_read(self, work: "Future[Sequence[Call]]") -> None:
+    def _take_read(self, work: "Future[Sequence[Call]]", *, size: int) -> None:
         self._proxy.reading -= 1
+        self._proxy.read_budget.release(size)
         try:
             self._take(work.result())
         except WireError:

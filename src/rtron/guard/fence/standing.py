@@ -11,11 +11,12 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
+from ipaddress import ip_address
 
 from rtron.errors import RTronError, SourceError, WireError
 from rtron.guard.fence.rules import ROSOUT, is_guards
 from rtron.guard.transport.ros1.loop import Loop
-from rtron.vocabulary import PlannedTopic
+from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, PlannedTopic
 from rtron.vocabulary.names import names_node
 from rtron.vocabulary.planned import ANYBODY
 from rtron.wire.xmlrpc import ros_call, split_uri
@@ -29,6 +30,7 @@ _NEW_S = 5.0
 """How long a node that registers may take to answer, seconds: a robot that starts is busy."""
 _WORKERS = 64
 _MOST_ASKED = 16
+_MOST_STANDS = 1 << 14
 _REFRESH_S = 2.0
 
 Then = Callable[[str], None]
@@ -52,7 +54,8 @@ class Standing:
         self._loop = loop
         self._private = private
         named = {name for each in topics for name in (*each.publishers, *each.subscribers)}
-        self._guards = sorted(name for name in named if is_guards(name))
+        guards = {GUARD_NODE, SUPERVISOR_NODE} if topics else set()
+        self._guards = sorted(guards.union(filter(is_guards, named)))
         self._named = sorted((named | {ROSOUT}) - {ANYBODY, *self._guards}) if topics else []
         self._stands: dict[str, Stand] = {}
         self._asked: Counter[str] = Counter()
@@ -96,6 +99,8 @@ class Standing:
         now = self._stands.get(found.name)
         if now is not before and now is not None and now.uri != found.uri:
             return f"{found.name} has just registered at another address"
+        if now is None and key != found.name and len(self._stands) >= _MOST_STANDS:
+            return f"too many nodes have stood under names like {key}"
         if key:
             self._stands[found.name] = found
         return ""
@@ -131,9 +136,11 @@ def _examine(
 ) -> Stand | str:
     """Return where a node stands, or why it may not; one that is not named need not answer."""
     host, port = split_uri(uri)
-    address = _resolved(host)
+    addresses = _resolved(host)
+    if not addresses:
+        return f"{host[:80]!r} does not resolve to an address"
     for other in others:
-        if _resolved(other.host) == address and _still_there(other):
+        if addresses & _resolved(other.host) and _still_there(other):
             return f"{uri[:80]!r} is the address of {other.name}, not of {name}"
     if before and before.uri != uri and _still_there(before):
         return f"{name} already stands at another address and still answers there"
@@ -173,20 +180,28 @@ def _at(private: str, node: str) -> list[Stand]:
     return [] if pid is None else [Stand(name=node, uri=uri, host=host, port=port, pid=pid)]
 
 
-def _resolved(host: str) -> str:
-    """Return a host's address; all of this machine's are one."""
+def _resolved(host: str) -> frozenset[str]:
+    """Return a host's addresses, all of this machine's as one; none if it does not resolve."""
     try:
-        address = socket.gethostbyname(host)
+        found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
-        return host
-    return "localhost" if is_local(address) else address
+        return frozenset()
+    addresses = {str(where[0]) for *_, where in found}
+    return frozenset("localhost" if is_local(each) else _plain(each) for each in addresses)
+
+
+def _plain(address: str) -> str:
+    """Return an address of IPv4 as such, also where IPv6 wraps it."""
+    parsed = ip_address(address.partition("%")[0])
+    return str(getattr(parsed, "ipv4_mapped", None) or parsed)
 
 
 def is_local(host: str) -> bool:
     """Tell whether a host is this machine: then a socket can be bound to its address."""
-    with socket.socket() as probe:
-        try:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        with socket.socket(family) as probe:
             probe.bind((host, 0))
-        except (OSError, UnicodeError):
-            return False
+    except (OSError, UnicodeError):
+        return False
     return True

@@ -32,14 +32,38 @@ class Bounds:
 SLAVE_BOUNDS = Bounds()
 
 
+class Budget:
+    """How many bytes of long requests all connections together may hold."""
+
+    def __init__(self, most: int) -> None:
+        self._left = most
+
+    def take(self, size: int) -> None:
+        """Hold some more; WireError, and nothing is held, if that is too much."""
+        if size > self._left:
+            raise WireError("too much is being asked at once")
+        self._left -= size
+
+    def release(self, size: int) -> None:
+        """Hold this much less."""
+        self._left += size
+
+
 class HttpConnection:
     """One HTTP connection; `serve` takes the body of each request, `reply` answers it, also later.
 
-    Bad requests close it, slow ones are given up; `closed` hears of its end.
+    Bad requests close it, slow ones are given up; `closed` hears of its end. What a
+    request has beyond 64 KiB counts in the `budget` until it is answered; short ones are never
+    refused for the long ones of others.
     """
 
     def __init__(
-        self, loop: Loop, sock: socket.socket, serve: Serve, bounds: Bounds = SLAVE_BOUNDS
+        self,
+        loop: Loop,
+        sock: socket.socket,
+        serve: Serve,
+        bounds: Bounds = SLAVE_BOUNDS,
+        budget: Budget | None = None,
     ) -> None:
         self.closed: Callable[[], None] = lambda: None
         self._loop = loop
@@ -47,6 +71,8 @@ class HttpConnection:
         self._serve = serve
         self._bounds = bounds
         self._http = h11.Connection(h11.SERVER)
+        self._budget = budget or Budget(bounds.request)
+        self._held = 0
         self._body = bytearray()
         self._out = b""
         self._busy = False
@@ -59,7 +85,17 @@ class HttpConnection:
         if not self._closed:
             self._or_break(lambda: self._send_answer(body))
 
+    def _hold(self, size: int) -> None:
+        if size > self._held:
+            self._budget.take(size - self._held)
+            self._held = size
+
+    def _release(self) -> None:
+        self._budget.release(self._held)
+        self._held = 0
+
     def _send_answer(self, body: bytes) -> None:
+        self._release()
         headers = [("Content-Type", "text/xml"), ("Content-Length", str(len(body)))]
         self._write(self._http.send(h11.Response(status_code=200, headers=headers)))
         self._write(self._http.send(h11.Data(data=body)))
@@ -97,6 +133,7 @@ class HttpConnection:
             self._body += event.data
             if len(self._body) > self._bounds.request:
                 raise WireError("XML-RPC request too long")
+            self._hold(len(self._body) - _CHUNK)
         elif isinstance(event, h11.EndOfMessage):
             self._busy = True
             body = bytes(self._body)
@@ -145,6 +182,8 @@ class HttpConnection:
         """Close the connection; a second time does nothing."""
         if not self._closed:
             self._closed = True
+            self._release()
+            self._body.clear()
             self._loop.forget(self._sock)
             self.closed()
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
-from rtron.errors import RTronError
+from rtron.errors import RTronError, SourceError
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.node import Node
 from rtron.wire.xmlrpc import ros_call
@@ -21,6 +21,10 @@ log = logging.getLogger(__name__)
 _PATIENCE_S = 3.0
 _REFRESH_S = 1.0
 _EVERY = 5
+_SILENT_S = 10.0
+_MOST_SAID = 16
+_FENCE = "refused by rtron master"
+_HELP = "; start `rtron master` first, then the guard: it finds the master behind the fence"
 
 
 class Registrar:
@@ -36,6 +40,7 @@ class Registrar:
         self._lost = False
         self._until = math.inf
         self._asked: set[tuple[str, str, str]] = set()
+        self._refused = _Refused()
         loop.post(self._watch)
 
     def publish(self, node: Node, topic: str) -> None:
@@ -98,7 +103,10 @@ class Registrar:
         try:
             return ros_call(self._master, method, *params, timeout=left)
         except RTronError as error:
-            log.debug("%s", error)
+            if _is_refusal(error) and method.startswith("register"):
+                self._refused.note(str(error))
+            else:
+                log.debug("%s", error)
             return None
 
     def _watch(self) -> None:
@@ -126,6 +134,26 @@ class Registrar:
             self._lost = lost
             state = "does not answer; connections stay" if lost else "answers again"
             log.warning("the master at %s %s", self._master, state)
+
+
+class _Refused:
+    """The log of what the master refuses: the same once in 10 s, and not too much of it."""
+
+    def __init__(self) -> None:
+        self._said: dict[str, float] = {}
+
+    def note(self, why: str) -> None:
+        now = time.monotonic()
+        self._said = {each: at for each, at in self._said.items() if now - at < _SILENT_S}
+        if why in self._said or len(self._said) >= _MOST_SAID:
+            return
+        self._said[why] = now
+        log.error("not registered: %s%s", why, _HELP if _FENCE in why else "")
+
+
+def _is_refusal(error: RTronError) -> bool:
+    """Tell whether the master has answered, and said no."""
+    return isinstance(error, SourceError) and error.__cause__ is None
 
 
 def _nothing(answer: object) -> None:
