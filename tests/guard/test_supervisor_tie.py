@@ -80,6 +80,7 @@ def test_a_caller_that_leaves_before_the_answer_leaves_no_descriptor_behind(loop
         loop.watch(each, lambda: None, lambda error: None)
     for each in sum(pairs, ()):
         loop.forget(each)
+        assert each.fileno() == -1
     door.close()
 
 

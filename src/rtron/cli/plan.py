@@ -35,6 +35,20 @@ from rtron.risks import discover, load_lists
 APP_LAUNCH = "APP.launch"
 
 
+Output = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="rtron.yaml", help="Write the plan; - prints it."),
+]
+FromRun = Annotated[
+    Path | None,
+    typer.Option("--from-run", metavar="RUN.json|BAG", help="Fit the plan to what a run measured."),
+]
+RunsPlan = Annotated[
+    Path | None, typer.Option("--plan", metavar="rtron.yaml", help="The plan of that run.")
+]
+Format = Annotated[TextOrJson, typer.Option(help="What a run proposes: a report, or JSON.")]
+
+
 def plan(  # noqa: PLR0913 - one for each option
     inputs: Inputs = None,
     *,
@@ -44,21 +58,10 @@ def plan(  # noqa: PLR0913 - one for each option
     master: Master = DEFAULT_MASTER,
     timeout: Timeout = DEFAULT_TIMEOUT,
     lists: Lists = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="rtron.yaml", help="Write the plan; - prints it."),
-    ] = None,
-    from_run: Annotated[
-        Path | None,
-        typer.Option(metavar="RUN.json|BAG", help="Fit the plan to what a run measured."),
-    ] = None,
-    plan_file: Annotated[
-        Path | None,
-        typer.Option("--plan", metavar="rtron.yaml", help="The plan of that run."),
-    ] = None,
-    format: Annotated[
-        TextOrJson, typer.Option(help="What a run proposes: a report, or JSON.")
-    ] = TextOrJson.TEXT,
+    output: Output = None,
+    from_run: FromRun = None,
+    plan_file: RunsPlan = None,
+    format: Format = TextOrJson.TEXT,
     jobs: Jobs = None,
     no_cache: NoCache = False,
 ) -> Outcome:
