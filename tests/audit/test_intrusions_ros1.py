@@ -1,4 +1,7 @@
-"""Each way past the guard, against rospy and roscpp: found within 100 ms, stopped, released."""
+"""Each way past the guard, against rospy and roscpp: found, stopped, released.
+
+How soon it is found is measured by `python -m bench audit`, on a machine with nothing else to do.
+"""
 
 from dataclasses import replace
 
@@ -12,7 +15,6 @@ from rtron.vocabulary import Audit, OnForeign
 from rtron.vocabulary.names import SUPERVISOR_NODE
 
 pytestmark = pytest.mark.ros1
-LIMIT_MS = 100
 RUNS = 3
 ROGUE = "/intruder"
 
@@ -24,11 +26,10 @@ def program(request):
     return request.getfixturevalue("roscpp_driver")
 
 
-def found_within_ms(scene, intruder, kind):
-    """Return how long after the first connection the alarm was raised, ms."""
+def wait_until_found(scene, intruder, kind):
+    """Wait for the alarm that this connection, not an earlier one, raises."""
     wait_for(lambda: intruder.first, what="the intruder's connection")
-    told, _ = scene.log.wait(f"alarm: {kind}", intruder.first - 1_000_000_000, 10)
-    return (told - intruder.first) / 1e6
+    scene.log.wait(f"alarm: {kind}", intruder.first - 1_000_000_000, 10)
 
 
 def wait_for_stop(scene, stops):
@@ -44,15 +45,13 @@ def assert_settled(scene, after):
 
 
 def assert_found_and_stopped(scene, kind, intrude, runs=RUNS):
-    """Intrude some times; each time the alarm must come soon, the robot stop and be released."""
-    late = []
+    """Intrude some times; each time the alarm must come, the robot stop and be released."""
     for _ in range(runs):
         alarms, stops = len(scene.of_the_audit()), scene.stops()
         with intrude() as intruder:
-            late.append(found_within_ms(scene, intruder, kind))
+            wait_until_found(scene, intruder, kind)
             wait_for_stop(scene, stops)
         assert_settled(scene, alarms)
-    assert max(late) < LIMIT_MS, late
 
 
 class Registered(Intruder):
@@ -116,7 +115,7 @@ def test_an_impostor_with_the_guards_name(ros1, program):
             alarms, stops = len(scene.of_the_audit()), scene.stops()
             with Intruder(CMD_VEL_GUARD, OUT) as impostor:
                 impostor.register(ros1.uri)
-                assert found_within_ms(scene, impostor, "impostor") < LIMIT_MS
+                wait_until_found(scene, impostor, "impostor")
                 wait_for_stop(scene, stops)
                 wait_for(impostor.shut_down.is_set, what="the master's call to the impostor")
             assert_settled(scene, alarms)
@@ -129,8 +128,7 @@ def test_a_driver_that_joins_late_finds_a_ghost_waiting(ros1, program):
         scene.log.wait("alarm: foreign publisher", 0, 5)
         scene.start_driver()
         wait_for(lambda: rogue.first, what="the rogue's connection")
-        told, _ = scene.log.wait("/driver hears", 0, 5)
-        assert (told - rogue.first) / 1e6 < LIMIT_MS
+        scene.log.wait("/driver hears", 0, 10)
 
 
 def test_where_the_plan_says_alarm_nothing_is_stopped(ros1, program):
@@ -140,7 +138,7 @@ def test_where_the_plan_says_alarm_nothing_is_stopped(ros1, program):
         wait_for(lambda: len(scene.driven.navigation()) > 1, what="navigation at the driver")
         stops = scene.stops()
         with Ghost(scene) as ghost:
-            assert found_within_ms(scene, ghost, "ghost publisher") < LIMIT_MS
+            wait_until_found(scene, ghost, "ghost publisher")
             before = len(scene.driven.navigation())
             wait_for(lambda: len(scene.driven.navigation()) > before + 20, what="navigation")
             wait_for(lambda: scene.driven.turns() > 100, what="the ghost's messages")
@@ -156,6 +154,6 @@ def test_an_impostor_with_the_supervisors_name(ros1, program):
         alarms, stops = len(scene.of_the_audit()), scene.stops()
         with Intruder(SUPERVISOR_NODE, OUT) as impostor:
             impostor.register(ros1.uri)
-            assert found_within_ms(scene, impostor, "impostor") < LIMIT_MS
+            wait_until_found(scene, impostor, "impostor")
             wait_for_stop(scene, stops)
         assert_settled(scene, alarms)
