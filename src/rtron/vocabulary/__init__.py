@@ -2,6 +2,7 @@
 
 from rtron.vocabulary.action import ANSWERED, ASKED, SERVER, ActionPart, action_of, part_topic
 from rtron.vocabulary.alarm import Alarm, AlarmKind
+from rtron.vocabulary.effective import MisfitError, coordination_ids, effective, fitting
 from rtron.vocabulary.enums import (
     ActionRole,
     CoordinationKind,
@@ -28,6 +29,15 @@ from rtron.vocabulary.enums import (
     Trust,
     WhenUnknown,
     Word,
+)
+from rtron.vocabulary.event import (
+    EventKind,
+    FlowTally,
+    GuardEvent,
+    GuardState,
+    Level,
+    RuleState,
+    StreamState,
 )
 from rtron.vocabulary.graph import (
     GRAPH_SCHEMA,
@@ -96,6 +106,14 @@ from rtron.vocabulary.run import (
     StreamFigures,
     ValueFigures,
 )
+from rtron.vocabulary.settings import (
+    EmergencyStop,
+    FlowSettings,
+    NodeSettings,
+    RuleSettings,
+    Settings,
+    TimedOverride,
+)
 from rtron.vocabulary.stream import PolicySettings, Stage, StageRule, Stream
 from rtron.vocabulary.streams import streams
 from rtron.vocabulary.velocity import Velocity
@@ -134,27 +152,36 @@ __all__ = [
     "Domain",
     "Durability",
     "DurationFigures",
+    "EmergencyStop",
     "Endpoint",
     "EventFigures",
     "EventFlow",
+    "EventKind",
     "Evidence",
     "Executor",
     "Flow",
     "FlowCount",
     "FlowFigures",
+    "FlowSettings",
+    "FlowTally",
     "FpsMonitor",
     "FrameSource",
     "FunctionType",
+    "GuardEvent",
+    "GuardState",
     "GuardedTopic",
     "InteractionGraph",
     "LaunchFile",
     "LaunchInclude",
     "LaunchNode",
     "LaunchTree",
+    "Level",
     "MessageDefinition",
+    "MisfitError",
     "Mode",
     "MonitorFigures",
     "Node",
+    "NodeSettings",
     "OnError",
     "OnForeign",
     "OnSilence",
@@ -181,8 +208,11 @@ __all__ = [
     "RiskReport",
     "Role",
     "Rule",
+    "RuleSettings",
+    "RuleState",
     "Run",
     "Service",
+    "Settings",
     "Severity",
     "Sharing",
     "Stage",
@@ -192,6 +222,8 @@ __all__ = [
     "StreamCount",
     "StreamFigures",
     "StreamKind",
+    "StreamState",
+    "TimedOverride",
     "Topic",
     "TopicClass",
     "Transform",
@@ -205,6 +237,9 @@ __all__ = [
     "WhenUnknown",
     "Word",
     "action_of",
+    "coordination_ids",
+    "effective",
+    "fitting",
     "flow_topic",
     "names_node",
     "normalise_type",

@@ -139,6 +139,8 @@ class RSRCN:
 
     Safe: the velocity is at most `threshold` (metres per frame) times the least frame rate of the
     fps_monitors, and `lowest` (m/s) where one is silent. Constrain: at most `max_vel_limit` (m/s).
+    `mandatory`: a policy that the end user cannot deselect (paper section 6.3); if it limits by
+    `max_vel_limit`, that limit can be lowered only.
     """
 
     id: str
@@ -147,6 +149,7 @@ class RSRCN:
     threshold: float | None = None
     max_vel_limit: float | None = None
     lowest: float = 0.0
+    mandatory: PolicyName | None = None
     vflows: tuple[GuardedTopic, ...] = ()
     iflows: tuple[WatchedFlow, ...] = ()
 
@@ -187,6 +190,7 @@ class Rule:
     or the topics, are blocked; with `action`, an expression over the fields of `action`, only the
     messages for which that holds, too. `require` makes an obligation of it: the block ends when
     the flow or the topic that it names has spoken. `frame` is the frame of the action's positions.
+    A `mandatory` rule cannot be deselected or weakened by the end user.
     """
 
     name: str
@@ -196,6 +200,7 @@ class Rule:
     frame: str = ""
     require: str = ""
     reason: str = ""
+    mandatory: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,0 +1,70 @@
+"""The database: one SQLite file by default, PostgreSQL by URL."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import URL, Engine, create_engine, event, make_url
+from sqlalchemy.exc import ArgumentError
+from sqlalchemy.orm import Session
+
+from rtron.errors import InputError
+from rtron.service.store.migrate import migrate
+
+_BUSY_S = 30
+
+
+class Database:
+    """Sessions on one database, whose schema is brought up to date when it is opened.
+
+    `where` is a file, or a URL like `postgresql://user@host/name`; InputError if it is neither.
+    """
+
+    def __init__(self, where: str | Path) -> None:
+        self.url = _url(where)
+        self.engine = _engine(self.url)
+        migrate(self.engine)
+
+    @property
+    def is_sqlite(self) -> bool:
+        """Whether it is a SQLite file."""
+        return self.engine.dialect.name == "sqlite"
+
+    @contextmanager
+    def session(self) -> Iterator[Session]:
+        """Give one transaction: committed at the end, taken back by an exception."""
+        with Session(self.engine, expire_on_commit=False) as session, session.begin():
+            yield session
+
+    def close(self) -> None:
+        """Close every connection."""
+        self.engine.dispose()
+
+
+def _url(where: str | Path) -> URL:
+    if isinstance(where, Path) or "://" not in where:
+        return URL.create("sqlite", database=str(where))
+    try:
+        url = make_url(where)
+    except ArgumentError as error:
+        raise InputError(
+            f"{where}: {error}", help="for example postgresql://me@host/rtron"
+        ) from None
+    if url.get_backend_name() not in ("sqlite", "postgresql"):
+        raise InputError(f"{url.get_backend_name()} is not supported", help="SQLite or PostgreSQL")
+    return url.set(drivername="postgresql+pg8000") if url.drivername == "postgresql" else url
+
+
+def _engine(url: URL) -> Engine:
+    if url.get_backend_name() != "sqlite":
+        return create_engine(url, pool_pre_ping=True)
+    engine = create_engine(url, connect_args={"timeout": _BUSY_S})
+    event.listen(engine, "connect", _prepare)
+    return engine
+
+
+def _prepare(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite3's own
+    """Readers and the one writer do not wait for each other (SQLite: Write-Ahead Logging)."""
+    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON"):
+        connection.execute(f"PRAGMA {pragma}")

@@ -1,0 +1,119 @@
+"""What a guard tells about itself: events that are kept, and its state at this moment.
+
+Times are wall clock, integer ns since 1970. Transitions are told one by one; verdicts that repeat
+are counted per flow and second (design section 7).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from rtron.vocabulary.alarm import Alarm
+from rtron.vocabulary.enums import Decision, Mode, PolicyName, Word
+
+
+class EventKind(Word):
+    """What an event is about."""
+
+    GUARD = "guard"
+    OWNER = "owner"
+    VERDICT = "verdict"
+    STOP = "stop"
+    RULE = "rule"
+    ALARM = "alarm"
+    SETTLED = "settled"
+    OVERRIDE = "override"
+    SETTINGS = "settings"
+    COUNTS = "counts"
+    LOST = "lost"
+
+
+class Level(Word):
+    """How much an event asks for attention, least first."""
+
+    INFO = "info"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GuardEvent:
+    """One thing that happened in a guard; (`run`, `number`) names it for ever.
+
+    `run` is one life of one guard, `number` counts its events from 1. `node` is the coordination
+    node. `values` has what only some kinds have, as JSON: of `counts` the streams' figures.
+    """
+
+    run: str
+    number: int
+    at: int
+    kind: EventKind
+    level: Level = Level.INFO
+    node: str = ""
+    topic: str = ""
+    flow: str = ""
+    publisher: str = ""
+    policy: PolicyName | None = None
+    decision: Decision | None = None
+    reason: str = ""
+    revision: int = 0
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlowTally:
+    """How many messages of a flow met which verdict since the guard began."""
+
+    passed: int = 0
+    held: int = 0
+    dropped: int = 0
+    modified: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamState:
+    """Who controls a guarded topic now, and why.
+
+    `owner` is a flow, "" while idle; `stopping` says why the robot is being stopped. `speed` is of
+    the last velocity that went out and `limit` what it may be, m/s. `latency` is how long messages
+    took through the guard in the last second: mean and worst, us.
+    """
+
+    topic: str
+    nodes: tuple[str, ...]
+    mode: Mode
+    owner: str = ""
+    publisher: str = ""
+    stopping: str = ""
+    flows: Mapping[str, FlowTally] = field(default_factory=dict)
+    strangers: Mapping[str, int] = field(default_factory=dict)
+    speed: float | None = None
+    limit: float | None = None
+    latency: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleState:
+    """A rule of the mission, whether it blocks now, and why."""
+
+    name: str
+    blocks: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GuardState:
+    """All of a guard at one moment.
+
+    `fps` is by fps_monitor; `bits` are the eflows', None while nobody knows one.
+    """
+
+    at: int
+    revision: int
+    streams: tuple[StreamState, ...] = ()
+    rules: tuple[RuleState, ...] = ()
+    bits: Mapping[str, bool | None] = field(default_factory=dict)
+    fps: Mapping[str, float] = field(default_factory=dict)
+    alarms: tuple[Alarm, ...] = ()
+    overridden: tuple[str, ...] = ()
+    stopped: bool = False

@@ -1,0 +1,125 @@
+"""The link between a guard and the security service: JSON messages, the same on both hops.
+
+    guard ── Unix socket, a line each ── link process ── WebSocket, a frame each ── service
+
+What comes from the other side is checked whole: WireError for everything that is not a message.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from rtron.errors import WireError
+from rtron.vocabulary import GuardEvent, GuardState, Plan, Settings
+
+PROTOCOL = 1
+MOST_EVENTS = 1000
+"""The most events in one message."""
+LONGEST = 1 << 22
+"""The longest message, bytes."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hello:
+    """A guard begins to talk: who it is, what it guards, and which settings it has applied.
+
+    `robot` is filled in by the link process. `run` is this life of the guard, `began` (ns, wall).
+    """
+
+    app: str
+    plan: Plan
+    run: str
+    began: int
+    version: str
+    robot: str = ""
+    dry_run: bool = False
+    revision: int = 0
+    protocol: int = PROTOCOL
+    type: Literal["hello"] = "hello"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Events:
+    """Events in the order of their numbers; `Stored` answers once they are safe."""
+
+    events: tuple[GuardEvent, ...]
+    type: Literal["events"] = "events"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class State:
+    """What the guard is at now; not kept, and not answered."""
+
+    state: GuardState
+    type: Literal["state"] = "state"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Applied:
+    """The guard has put settings in force, or `error` says why it has not."""
+
+    revision: int
+    error: str = ""
+    type: Literal["applied"] = "applied"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stored:
+    """All events of a run up to this number are safe, and need not be sent again."""
+
+    run: str
+    number: int
+    type: Literal["stored"] = "stored"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewSettings:
+    """Settings to put in force; `now` is the sender's wall clock (ns), for what ends in time."""
+
+    settings: Settings
+    now: int
+    type: Literal["settings"] = "settings"
+
+
+FromGuard: TypeAlias = Annotated[Hello | Events | State | Applied, Field(discriminator="type")]
+ToGuard: TypeAlias = Annotated[Stored | NewSettings, Field(discriminator="type")]
+
+_FROM_GUARD: TypeAdapter[Any] = TypeAdapter(FromGuard)
+_TO_GUARD: TypeAdapter[Any] = TypeAdapter(ToGuard)
+
+
+def from_guard(data: bytes | str) -> Hello | Events | State | Applied:
+    """Read what a guard says."""
+    return _read(_FROM_GUARD, data)  # type: ignore[no-any-return]
+
+
+def to_guard(data: bytes | str) -> Stored | NewSettings:
+    """Read what is said to a guard."""
+    return _read(_TO_GUARD, data)  # type: ignore[no-any-return]
+
+
+def guard_bytes(message: Hello | Events | State | Applied) -> bytes:
+    """Write what a guard says, on one line without its end."""
+    return _FROM_GUARD.dump_json(message)
+
+
+def service_bytes(message: Stored | NewSettings) -> bytes:
+    """Write what is said to a guard, on one line without its end."""
+    return _TO_GUARD.dump_json(message)
+
+
+def _read(adapter: TypeAdapter[Any], data: bytes | str) -> Any:  # noqa: ANN401 - as the adapter says
+    if len(data) > LONGEST:
+        raise WireError(f"a message of {len(data)} bytes, the most is {LONGEST}")
+    try:
+        return adapter.validate_json(data)
+    except (ValidationError, RecursionError) as error:
+        raise WireError(f"not a message of the link: {_short(error)}") from None
+
+
+def _short(error: ValidationError | RecursionError) -> str:
+    if isinstance(error, RecursionError):
+        return "too deep"
+    first = error.errors(include_url=False, include_input=False)[0]
+    return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
