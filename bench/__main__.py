@@ -15,7 +15,10 @@ from bench import (
     chain,
     churn,
     discovery,
+    faults,
     hop,
+    ingest,
+    link,
     load,
     memory,
     policies,
@@ -46,6 +49,9 @@ PARTS: dict[str, Part] = {
     "audit": audit.figures,
     "audit_cost": audit_cost.figures,
     "churn": churn.figures,
+    "ingest": ingest.figures,
+    "link": link.figures,
+    "faults": faults.figures,
 }
 OUTPUT = ROOT / "build" / "bench.json"
 

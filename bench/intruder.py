@@ -54,6 +54,11 @@ class Intruder:
     def __exit__(self, *_: object) -> None:
         self.leave()
 
+    @property
+    def heard(self) -> bool:
+        """Whether a subscriber is connected."""
+        return bool(self._connections)
+
     def register(self, master: str) -> None:
         """Join the graph of a master, as a publisher of the topic."""
         ros_call(master, "registerPublisher", self.name, self.topic, TWIST, self.uri, timeout=5)
@@ -111,7 +116,8 @@ class Intruder:
     def _speak(self) -> None:
         while self._listener.fileno() >= 0:
             time.sleep(_PERIOD_S)
-            self._connections = [sock for sock in self._connections if _spoken(sock)]
+            for sock in [each for each in self._connections if not _spoken(each)]:
+                self._connections.remove(sock)
 
 
 def _spoken(sock: socket.socket) -> bool:

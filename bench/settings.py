@@ -35,3 +35,11 @@ CHURN_SECONDS = _number("CHURN_SECONDS", 60)
 """How long nodes come and go, s."""
 GOALS = _number("GOALS", 200)
 """Goals of a run, one after the other."""
+CHANGES = _number("CHANGES", 500)
+"""Changes of settings, one after the other."""
+KILLS = _number("KILLS", 50)
+"""How often the service and the guard are killed each."""
+INGESTED = _number("INGESTED", 1_000_000)
+"""Events that guards send to the security service."""
+INGEST_SECONDS = _number("INGEST_SECONDS", 600)
+"""How long they may take at most, s."""

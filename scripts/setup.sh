@@ -11,7 +11,7 @@ RUN_PACKAGES=(
 )
 TEST_PACKAGES=(
   chromium chromium-driver fonts-dejavu-core g++ libactionlib-dev libgeometry-msgs-dev libroscpp-dev
-  libstd-msgs-dev make pkg-config python3-actionlib
+  libstd-msgs-dev make pkg-config postgresql python3-actionlib
 )
 READY=.venv/.ready
 

@@ -3,10 +3,12 @@
 from drive import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
 
+from bench.intruder import Intruder
 from bench.watched import Watched
 from rtron.vocabulary import AlarmKind
 
 OUT = f"/rtron{CMD_VEL}/out"
+ROGUE = "/intruder"
 STOP = ("0", "0")
 KINDS = tuple(
     f": {kind}:" for kind in AlarmKind if kind not in (AlarmKind.GUARD, AlarmKind.SUPERVISOR)
@@ -63,6 +65,52 @@ class Scene:
     def alarms(self, word="alarm:"):
         return [text for _, text in self.log.lines if word in text]
 
+    def alarmed(self, kind, uri):
+        """Tell whether an alarm of this kind has named an address, which each intruder has anew."""
+        return any(f": {kind}:" in text and uri.rstrip("/") in text for text in self.alarms())
+
+    def released(self):
+        """Tell whether the guard has ended the stop that it began last, and nothing moves."""
+        told = [text for _, text in self.log.lines if f" {CMD_VEL}: " in text]
+        return bool(told) and told[-1].endswith(": idle")
+
     def of_the_audit(self, word="alarm:"):
         """Return the alarms that are not the supervisor's, about a machine that is too slow."""
         return [text for text in self.alarms(word) if any(kind in text for kind in KINDS)]
+
+
+class Visitor(Intruder):
+    """An intruder that comes by `way`, again when it was sent away before it was found.
+
+    roscpp hangs up on whom the master does not list whenever the guard says its registrations
+    again; on a machine that is too busy the audit has not looked by then.
+    """
+
+    def __init__(self, way, name=ROGUE):
+        super().__init__(name, OUT)
+        self._way = way
+
+    def __enter__(self):
+        self._way(self)
+        return self
+
+    def insist(self):
+        """Come again if whom it told of itself has hung up."""
+        if self.first and not self.heard:
+            self._way(self)
+
+
+def ghost(node, *others):
+    """Return an intruder that tells a node of itself and `others`, and nobody else."""
+    return Visitor(lambda each: each.invite(node, *others))
+
+
+def wait_until_found(scene, intruder, kind):
+    """Wait for the alarm about this intruder, not about an earlier one."""
+
+    def found():
+        if not scene.alarmed(kind, intruder.uri):
+            intruder.insist()
+        return scene.alarmed(kind, intruder.uri)
+
+    wait_for(found, what=f"the alarm, {kind}")

@@ -9,11 +9,10 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from drive import CMD_VEL, CMD_VEL_GUARD, drive_plan
 from harness import wait_for
-from scene import OUT, Scene
+from scene import OUT, Scene, ghost, wait_until_found
 from strangers import garbage, say_nothing, saying, stranger
 
-from bench.intruder import Intruder
-from rtron.vocabulary import SECOND, Plan
+from rtron.vocabulary import Plan
 from rtron.vocabulary.names import SUPERVISOR_NODE
 from rtron.wire.xmlrpc import ros_call
 
@@ -49,10 +48,9 @@ def test_a_restarted_guard_finds_nobody_foreign(ros1, roscpp_driver, kind):
             again.driver = scene.driver
             scene = again  # noqa: PLW2901 - the next guard of the same base
             wait_for(scene.driver_hears_guard, what="the driver's connection to the next guard")
-            with Intruder("/ghost", OUT) as ghost:
-                assert scene.of_the_audit() == []
-                ghost.invite(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD))
-                scene.log.wait("alarm: ghost", 0, 10)
+            assert scene.of_the_audit() == []
+            with ghost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
+                wait_until_found(scene, intruder, "ghost publisher")
             wait_for(lambda s=scene: s.of_the_audit("no more: ghost"), what="the ghost's end")
             assert len(scene.of_the_audit()) == 1
         scene.log.close()
@@ -63,18 +61,13 @@ def test_a_restarted_master_is_no_alarm_and_blinds_nobody(ros1):
         uri = scene.driver_uri()
         wait_for(lambda: scene.hears(SUPERVISOR_NODE), what="the supervisor's connection")
         ros1.master.kill()
-        with Intruder("/ghost", OUT) as ghost:
-            ghost.invite(uri)
-            wait_for(lambda: ghost.first, what="the ghost's connection")
-            told, _ = scene.log.wait("alarm: ghost", 0, 10)
-            assert (told - ghost.first) / 1e6 < 100
+        with ghost(uri) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
         wait_for(lambda: scene.alarms("no more: ghost"), what="the ghost's end")
         ros1.start_master()
         wait_for(lambda: CMD_VEL_GUARD in ros1.publishers(OUT), what="the guard's return")
-        with Intruder("/ghost", OUT) as ghost:
-            ghost.invite(uri)
-            wait_for(lambda: ghost.first, what="the ghost's connection")
-            scene.log.wait("alarm: ghost", ghost.first - SECOND, 10)
+        with ghost(uri) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
         wait_for(lambda: len(scene.alarms("no more: ghost")) == 2, what="the ghost's end")
         assert len(scene.of_the_audit()) == 2
 
@@ -106,11 +99,8 @@ def test_a_master_that_hangs_blinds_nobody(ros1):
         uri = scene.driver_uri()
         wait_for(lambda: scene.hears(SUPERVISOR_NODE), what="the supervisor's connection")
         ros1.master.kill()
-        with HangingMaster(ros1.uri), Intruder("/ghost", OUT) as ghost:
-            ghost.invite(uri)
-            wait_for(lambda: ghost.first, what="the ghost's connection")
-            told, _ = scene.log.wait("alarm: ghost", 0, 10)
-            assert (told - ghost.first) / 1e6 < 100
+        with HangingMaster(ros1.uri), ghost(uri) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
         assert len(scene.of_the_audit()) == 1
 
 
@@ -139,10 +129,7 @@ def test_nodes_that_answer_badly_are_told_and_delay_nobody(ros1):
             words = (f"/wheel_{index}", OUT, "geometry_msgs/Twist", uri)
             ros_call(ros1.uri, "registerSubscriber", *words, timeout=5)
         wait_for(lambda: len(scene.alarms("alarm: unseen")) == len(BAD), what="the alarms")
-        with Intruder("/ghost", OUT) as ghost:
-            ghost.invite(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD))
-            wait_for(lambda: ghost.first, what="the ghost's connection")
-            told, _ = scene.log.wait("alarm: ghost", 0, 10)
-            assert (told - ghost.first) / 1e6 < 100
+        with ghost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
         assert "Traceback" not in scene.guard.log
         assert len(scene.alarms("alarm: unseen")) == len(BAD)

@@ -11,6 +11,7 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.guard.alarms import Alarms
+from rtron.guard.audit import intruders, master_view
 from rtron.guard.audit.expectations import Expectations
 from rtron.guard.audit.intruders import Intruders
 from rtron.guard.audit.nodes import GuardedNodes
@@ -22,8 +23,9 @@ from rtron.wire.xmlrpc import encode_response
 
 OUT, DRIVER = "/rtron/cmd_vel/out", "/driver"
 EXPECTED = Expectations(plan_of(grcn("/cmd_vel", ["/nav"], [DRIVER])))
-LIMIT_S = 0.1
+LIMIT_S = 10
 PATIENT_S = 0.6
+NEVER_S = 60
 
 
 class EmptyMaster:
@@ -65,7 +67,7 @@ class Audited:
         host = SimpleNamespace(alarms=Alarms(), guarded=[])
         transport = SimpleNamespace(addresses=dict, port=0)
         nodes = GuardedNodes(self._loop, master, EXPECTED, Rounds(self._loop, SECOND))
-        response = Response(host, OnForeign.ALARM, dry_run=False)
+        response = Response(host, transport, OnForeign.ALARM, dry_run=False)
         intruders = Intruders(self._loop, master, transport, EXPECTED, nodes, response, {})
         nodes.heard = intruders.look
         nodes.watch([DRIVER])
@@ -108,11 +110,15 @@ def stack():
 
 
 @pytest.fixture
-def audited(stack):
+def audited(stack, monkeypatch):
+    """Audit with a master that is waited for, however slow the machine is."""
+    monkeypatch.setattr(intruders, "_PATIENCE_S", NEVER_S)
+    monkeypatch.setattr(intruders, "_EXCUSED", NEVER_S * SECOND)
     return Audited(stack.enter_context(empty_master()), stack)
 
 
-def test_an_alarm_does_not_wait_for_a_master_that_hangs(stack):
+def test_an_alarm_does_not_wait_for_a_master_that_hangs(stack, monkeypatch):
+    monkeypatch.setattr(master_view, "_CALL_S", NEVER_S)
     audited = Audited(stack.enter_context(hanging_master()), stack)
     audited.answer()
     audited.answer(closed())

@@ -8,15 +8,13 @@ from dataclasses import replace
 import pytest
 from drive import CMD_VEL_GUARD, drive_plan
 from harness import Ros1, wait_for
-from scene import OUT, Scene
+from scene import OUT, Scene, Visitor, ghost, wait_until_found
 
-from bench.intruder import Intruder
 from rtron.vocabulary import Audit, OnForeign
 from rtron.vocabulary.names import SUPERVISOR_NODE
 
 pytestmark = pytest.mark.ros1
 RUNS = 3
-ROGUE = "/intruder"
 
 
 @pytest.fixture(params=["rospy", "roscpp"])
@@ -26,72 +24,61 @@ def program(request):
     return request.getfixturevalue("roscpp_driver")
 
 
-def wait_until_found(scene, intruder, kind):
-    """Wait for the alarm that this connection, not an earlier one, raises."""
-    wait_for(lambda: intruder.first, what="the intruder's connection")
-    scene.log.wait(f"alarm: {kind}", intruder.first - 1_000_000_000, 10)
-
-
 def wait_for_stop(scene, stops):
     wait_for(lambda: scene.stops() > stops, what="a stop while the intruder is there")
 
 
-def assert_settled(scene, after):
+def wait_until_settled(scene):
     def settled():
-        raised, settled = scene.of_the_audit("alarm:"), scene.of_the_audit("no more:")
-        return len(settled) >= len(raised) > after
+        return len(scene.of_the_audit("no more:")) == len(scene.of_the_audit("alarm:"))
 
     wait_for(settled, what="the end of the alarms")
+
+
+def wait_until_released(scene):
+    """Wait until the guard stops nothing any more: who stops later does so anew."""
+    wait_until_settled(scene)
+    wait_for(scene.released, what="the end of the stop")
 
 
 def assert_found_and_stopped(scene, kind, intrude, runs=RUNS):
     """Intrude some times; each time the alarm must come, the robot stop and be released."""
     for _ in range(runs):
-        alarms, stops = len(scene.of_the_audit()), scene.stops()
+        stops = scene.stops()
         with intrude() as intruder:
             wait_until_found(scene, intruder, kind)
             wait_for_stop(scene, stops)
-        assert_settled(scene, alarms)
+        wait_until_released(scene)
 
 
-class Registered(Intruder):
+class Registered(Visitor):
     """Registers at the master for as long as it is there."""
 
-    def __init__(self, ros1, name=ROGUE):
-        super().__init__(name, OUT)
+    def __init__(self, ros1):
+        super().__init__(lambda each: each.register(ros1.uri))
         self._ros1 = ros1
-
-    def __enter__(self):
-        self.register(self._ros1.uri)
-        return self
 
     def leave(self):
         self.unregister(self._ros1.uri)
         super().leave()
 
 
-class Ghost(Intruder):
-    """Tells the driver of itself, and nobody else."""
+class Impostor(Visitor):
+    """Takes a name, again when its owner has it back before anybody has asked who took it."""
 
-    def __init__(self, scene):
-        super().__init__(ROGUE, OUT)
-        self._scene = scene
+    def __init__(self, ros1, name):
+        super().__init__(lambda each: each.register(ros1.uri), name)
+        self._ros1 = ros1
 
-    def __enter__(self):
-        self.invite(self._scene.driver_uri(), self._scene.ros1.uri_of(CMD_VEL_GUARD))
-        return self
+    def insist(self):
+        if self._ros1.uri_of(self.name) != self.uri:
+            self._way(self)
 
 
-class Bridged(Intruder):
-    """Is known to another master, which believes that the driver belongs to it."""
-
-    def __init__(self, scene, other):
-        super().__init__(ROGUE, OUT)
-        self._scene, self._other = scene, other
-
-    def __enter__(self):
-        self.invite_through(self._other.uri, "/driver", self._scene.driver_uri())
-        return self
+def bridged(scene, other):
+    """Return an intruder of another master, which believes that the driver belongs to it."""
+    driver = scene.driver_uri()
+    return Visitor(lambda each: each.invite_through(other.uri, "/driver", driver))
 
 
 def test_a_rogue_that_registers(ros1, program):
@@ -101,34 +88,44 @@ def test_a_rogue_that_registers(ros1, program):
 
 def test_a_ghost_that_does_not_register(ros1, program):
     with Scene(ros1, program) as scene:
-        assert_found_and_stopped(scene, "ghost publisher", lambda: Ghost(scene))
+        addresses = (scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD))
+        assert_found_and_stopped(scene, "ghost publisher", lambda: ghost(*addresses))
 
 
 def test_a_rogue_behind_a_second_master(ros1, program, tmp_path):
     with Ros1(tmp_path / "other") as other, Scene(ros1, program) as scene:
-        assert_found_and_stopped(scene, "ghost publisher", lambda: Bridged(scene, other))
+        assert_found_and_stopped(scene, "ghost publisher", lambda: bridged(scene, other))
 
 
 def test_an_impostor_with_the_guards_name(ros1, program):
     with Scene(ros1, program) as scene:
         for _ in range(RUNS):
-            alarms, stops = len(scene.of_the_audit()), scene.stops()
-            with Intruder(CMD_VEL_GUARD, OUT) as impostor:
-                impostor.register(ros1.uri)
+            stops = scene.stops()
+            with Impostor(ros1, CMD_VEL_GUARD) as impostor:
                 wait_until_found(scene, impostor, "impostor")
                 wait_for_stop(scene, stops)
                 wait_for(impostor.shut_down.is_set, what="the master's call to the impostor")
-            assert_settled(scene, alarms)
             wait_for(scene.driver_hears_guard, what="the guard's return")
+            wait_until_released(scene)
         assert not scene.guard.ended
 
 
 def test_a_driver_that_joins_late_finds_a_ghost_waiting(ros1, program):
     with Scene(ros1, program, drives=False) as scene, Registered(ros1) as rogue:
-        scene.log.wait("alarm: foreign publisher", 0, 5)
+        wait_for(lambda: scene.alarms("alarm: foreign publisher"), what="the alarm")
         scene.start_driver()
-        wait_for(lambda: rogue.first, what="the rogue's connection")
-        scene.log.wait("/driver hears", 0, 10)
+        wait_until_found(scene, rogue, "foreign publisher")
+
+
+def test_a_driver_that_was_away_when_the_robot_was_stopped_is_told_to_rest(ros1, program):
+    with Scene(ros1, program) as scene:
+        with Registered(ros1) as rogue:
+            wait_until_found(scene, rogue, "foreign publisher")
+            scene.driver.kill()
+        wait_until_released(scene)
+        stops = scene.stops()
+        scene.drive()
+        wait_for(lambda: scene.stops() > stops, what="the stop")
 
 
 def test_where_the_plan_says_alarm_nothing_is_stopped(ros1, program):
@@ -136,24 +133,25 @@ def test_where_the_plan_says_alarm_nothing_is_stopped(ros1, program):
     with Scene(ros1, program, plan) as scene:
         scene.navigate()
         wait_for(lambda: len(scene.driven.navigation()) > 1, what="navigation at the driver")
-        stops = scene.stops()
-        with Ghost(scene) as ghost:
-            wait_until_found(scene, ghost, "ghost publisher")
+        with ghost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
             before = len(scene.driven.navigation())
             wait_for(lambda: len(scene.driven.navigation()) > before + 20, what="navigation")
-            wait_for(lambda: scene.driven.turns() > 100, what="the ghost's messages")
-            assert not ghost.shut_down.is_set()
-        assert_settled(scene, 0)
-        assert scene.stops() == stops
+            wait_for(
+                lambda: intruder.insist() or scene.driven.turns() > 100,
+                what="the ghost's messages",
+            )
+            assert not intruder.shut_down.is_set()
+        wait_until_settled(scene)
+        assert not any("stopping: /driver hears" in text for _, text in scene.log.lines)
 
 
 def test_an_impostor_with_the_supervisors_name(ros1, program):
     with Scene(ros1, program) as scene:
         wait_for(lambda: SUPERVISOR_NODE in ros1.publishers(OUT), what="the supervisor")
         wait_for(lambda: scene.hears(SUPERVISOR_NODE), what="its connection")
-        alarms, stops = len(scene.of_the_audit()), scene.stops()
-        with Intruder(SUPERVISOR_NODE, OUT) as impostor:
-            impostor.register(ros1.uri)
+        stops = scene.stops()
+        with Impostor(ros1, SUPERVISOR_NODE) as impostor:
             wait_until_found(scene, impostor, "impostor")
             wait_for_stop(scene, stops)
-        assert_settled(scene, alarms)
+        wait_until_released(scene)

@@ -61,7 +61,6 @@ def test_missing_remaps_are_1(ros1, scene):
     wait_for(lambda: "/nav" in ros1.publishers(CMD_VEL), what="navigation")
     found = verified(ros1, 1, "--format", "json")
     assert states(found) | {"/rogue": ""} == {"/driver": "open", "/nav": "drift", "/rogue": ""}
-    assert len([a for a in scene.alarms() if "drift" in a]) == 0
     wait_for(lambda: len(scene.alarms("alarm: drift")) == 2, what="the guard's own alarms")
 
 

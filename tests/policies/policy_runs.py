@@ -6,6 +6,7 @@ from hypothesis import settings as effort
 from hypothesis import strategies as st
 
 from rtron.policies import build
+from rtron.policies.carrying import InTurn
 from rtron.policies.machine import Machine
 from rtron.vocabulary import (
     UNAPPROVED,
@@ -87,6 +88,7 @@ class Run:
     story: list[tuple[int, Message, Decision | None]] = field(default_factory=list)
     held: set[Message] = field(default_factory=set)
     most_held: int = 0
+    went: InTurn | None = None
 
     def __post_init__(self):
         self.policy = build(self.settings)
@@ -115,9 +117,21 @@ class Run:
         if what == TICK:
             self.tick()
         elif what == DONE:
+            self.went = None
             self.policy.observe_done(self.now)
+        elif isinstance(what, PolicySettings):
+            self.swap(what)
         else:
             self.say(what)
+
+    def swap(self, chosen):
+        """Put other settings in force, as the guard's pipeline does."""
+        before, self.policy, self.settings = self.policy, build(chosen), chosen
+        carried = before.carry(self.now)
+        if not carried.turns:
+            carried = replace(carried, turn=self.went)
+        self.note(before.close())
+        self.note(self.policy.resume(carried, self.now))
 
     def say(self, flow):
         message = Message(len(self.messages), flow, self.now)
@@ -150,6 +164,8 @@ class Run:
         return [(release.message.number, release.verdict.decision) for release in releases]
 
     def leaves(self, message, verdict):
+        if verdict.decision is Decision.PASS:
+            self.went = InTurn(message.flow, self.now, self.now)
         self.left.append((self.now, message, verdict))
         self.story.append((self.now, message, verdict.decision))
 

@@ -285,7 +285,7 @@ def test_the_brake_holds_until_it_is_loosened_and_then_ends_as_any_stop(before):
     if before == "stopping":
         made.refuse("blocked", SILENT)
     made.brake("a foreign publisher", SILENT)
-    assert made.why == ("blocked" if before == "stopping" else "a foreign publisher")
+    assert made.why == "a foreign publisher"
     assert made.stops == 1
     end = SILENT + RAMP + 10 * REPEAT
     sent = wave(made, until=end)
@@ -304,6 +304,21 @@ def test_a_brake_that_is_loosened_early_lets_the_wave_end_in_its_time():
     made.loosen()
     assert made.tick(RAMP + REPEAT - 1) is not None
     assert made.tick(RAMP + REPEAT - 1 + PERIOD) is None
+
+
+def test_a_stop_goes_on_for_another_reason_as_it_was():
+    made = moving()
+    made.brake("one", 0)
+    sent = made.tick(PERIOD)
+    made.explain("another")
+    assert (made.why, made.stops) == ("another", 1)
+    assert made.tick(2 * PERIOD).speed < sent.speed
+
+
+def test_what_moves_has_no_reason_to_stop():
+    made = moving()
+    made.explain("another")
+    assert made.why == ""
 
 
 speeds = st.sampled_from([0.0, -0.0, 1e-9, 0.1, 1.0, 5.0, -1.0, 1e308]) | st.floats(-20, 20)

@@ -8,6 +8,7 @@ import typer
 
 from rtron.cli.assignments import assignments
 from rtron.cli.figures import Keeper
+from rtron.cli.linking import Authority, Robot, ServiceUrl, State, TokenFile, link_options
 from rtron.cli.options import DEFAULT_MASTER, Master, PlanOption
 from rtron.errors import InputError
 from rtron.planning.read import read_plan
@@ -22,7 +23,7 @@ class LogLevel(str, Enum):
     ERROR = "error"
 
 
-def guard(
+def guard(  # noqa: PLR0913 - one for each option
     appended: Annotated[
         list[str] | None,
         typer.Argument(metavar="NAME:=VALUE", help="What roslaunch appends; accepted, not used."),
@@ -41,6 +42,11 @@ def guard(
         Path | None,
         typer.Option(metavar="SOCKET", help="Where to listen for `rtron override`."),
     ] = None,
+    service: ServiceUrl = "",
+    token_file: TokenFile = None,
+    robot: Robot = "",
+    state: State = None,
+    ca: Authority = None,
     log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
 ) -> None:
     """Stand between the app's nodes, as the plan says, until stopped.
@@ -52,10 +58,16 @@ def guard(
     $ rtron guard --plan rtron.yaml --dry-run
     $ rtron guard --plan rtron.yaml --dry-run --figures run.json
     $ rtron guard --plan rtron.yaml --master http://robot:11311 --log-level debug
+    $ rtron guard --plan rtron.yaml --service https://host:8600 --token-file F
 
     A master that does not answer is waited for. A dry run stands in the flows
     but forbids nothing: diagnostics and log tell what would have been stopped.
     `rtron plan --from-run run.json` makes settings of the figures that it keeps.
+
+    With --service the guard tells the security service what happens, and takes
+    settings from people in its console. A third process does that, so that a
+    service which is slow or away delays nothing; meanwhile the last settings
+    count and events wait on disk, in --state.
 
     Two processes: a supervisor, and the guard that it starts. When the guard
     dies or stands still, the supervisor stops the robot and starts it again.
@@ -69,11 +81,14 @@ def guard(
         help = "add --dry-run: only what nobody interferes with is worth measuring"
         raise InputError("--figures without --dry-run", help=help)
     keep = Keeper(figures.absolute()) if figures else None
+    read = read_plan(plan)
+    linked = link_options(read.app, service, token_file, robot, state, ca) if service else None
     supervise(
-        read_plan(plan),
+        read,
         master,
         log_level=log_level.value.upper(),
         dry_run=dry_run,
         control=control,
         figures=keep,
+        link=linked,
     )

@@ -8,6 +8,7 @@ import typer
 
 from rtron import __version__
 from rtron.cli.check import check
+from rtron.cli.events import events
 from rtron.cli.explain import explain
 from rtron.cli.guard import guard
 from rtron.cli.instrument import instrument
@@ -20,6 +21,11 @@ from rtron.cli.plan import plan
 from rtron.cli.replay import replay
 from rtron.cli.scan import scan
 from rtron.cli.schema import schema
+from rtron.cli.serve import serve
+from rtron.cli.settings import settings
+from rtron.cli.token import token
+from rtron.cli.upload import upload
+from rtron.cli.user import user
 from rtron.cli.verify import verify
 from rtron.errors import RTronError
 
@@ -33,6 +39,9 @@ COMMANDS = (
     master,
     verify,
     override,
+    serve,
+    events,
+    upload,
     explain,
     mission,
     schema,
@@ -47,6 +56,9 @@ app = typer.Typer(
 )
 for command in COMMANDS:
     app.command()(command)
+app.add_typer(settings)
+app.add_typer(token)
+app.add_typer(user)
 app.add_typer(model)
 
 

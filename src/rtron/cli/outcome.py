@@ -77,13 +77,20 @@ def _harmless(message: str) -> str:
     return "\n".join(map(neutral, message.split("\n")))
 
 
-def _print(shown: str | Report | Markdown) -> None:
+def tell(text: str) -> bool:
+    """Print a part of what a command says while it goes on; False if nobody reads any more."""
+    return _print(text)
+
+
+def _print(shown: str | Report | Markdown) -> bool:
     try:
         sys.stdout.write(_rendered(shown, Console()))
         sys.stdout.flush()
+        return True
     except BrokenPipeError:
         # Python flushes once more at exit and would complain then.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return False
     except OSError as error:
         raise _unwritable(error, "standard output") from None
 

@@ -1,6 +1,7 @@
 """The alarms that stand: raised once, told in the log and in the diagnostics, and settled."""
 
 import logging
+from typing import Protocol
 
 from rtron.guard.seldom import Seldom
 from rtron.vocabulary import Alarm
@@ -8,6 +9,17 @@ from rtron.vocabulary import Alarm
 log = logging.getLogger(__name__)
 
 _MOST = 256
+
+
+class Told(Protocol):
+    """Is told each alarm that is raised, and each that stands no more."""
+
+    def __call__(self, alarm: Alarm, *, stands: bool) -> None:
+        """Take one."""
+
+
+def _nobody(alarm: Alarm, *, stands: bool) -> None:
+    """Nobody listens."""
 
 
 class Alarms:
@@ -21,6 +33,7 @@ class Alarms:
         self._standing: dict[Alarm, int] = {}
         self._seldom = Seldom()
         self.raised = 0
+        self.told: Told = _nobody
 
     @property
     def standing(self) -> tuple[Alarm, ...]:
@@ -41,9 +54,11 @@ class Alarms:
             self._standing[alarm] = now
         if has_place or self._seldom.may_say("no place", now):
             log.error("alarm: %s: %s", alarm.kind, alarm.reason)
+            self.told(alarm, stands=True)
         return True
 
     def settle(self, alarm: Alarm) -> None:
         """Take back an alarm; nothing if it does not stand."""
         if self._standing.pop(alarm, None) is not None:
             log.warning("no more: %s: %s", alarm.kind, alarm.reason)
+            self.told(alarm, stands=False)

@@ -1,9 +1,11 @@
 """A policy about velocities, asked about messages: decoded once, and encoded again if changed."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from rtron.errors import WireError
 from rtron.messages.velocity import VelocityCodec
+from rtron.policies.carrying import Asked, Carried
 from rtron.policies.limiting import Limiting
 from rtron.policies.policy import Immediate, Release
 from rtron.vocabulary import Decision, Velocity, Verdict
@@ -53,6 +55,22 @@ class Decoding(Immediate):
         """Let the policy look again at what was asked for last."""
         self._policy.again(now)
 
+    def carry(self, now: int) -> Carried:
+        """Return the policy's state, with the message that was asked for last."""
+        carried = self._policy.carry(now)
+        asked = replace(carried.asked, message=self._last) if carried.asked else None
+        return replace(carried, asked=asked)
+
+    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+        """Let the policy go on; what no policy has limited before may be above the limit now."""
+        asked = carried.asked or self._asked(carried.last)
+        self._last = asked.message if asked else b""
+        return self._policy.resume(replace(carried, asked=asked), now)
+
+    def revise(self, revision: int) -> None:
+        """Tell the policy."""
+        self._policy.revise(revision)
+
     def deadline(self) -> int | None:
         """Return when the policy wants to be asked again."""
         return self._policy.deadline()
@@ -61,6 +79,12 @@ class Decoding(Immediate):
     def owner(self) -> str | None:
         """The policy's owner."""
         return self._policy.owner
+
+    def _asked(self, last: tuple[str, bytes] | None) -> Asked | None:
+        velocity = self._read(last[1]) if last else None
+        if last is None or not isinstance(velocity, Velocity) or not velocity.finite:
+            return None
+        return Asked(last[0], velocity, velocity, last[1])
 
     def _read(self, message: bytes) -> Velocity | str:
         codec = self._codec

@@ -1,22 +1,25 @@
 """One stream of the plan on a transport: its inputs, its pipeline and its outputs."""
 
 import logging
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from rtron.errors import PlanError
 from rtron.guard.ends import Ends
 from rtron.guard.latched import Latched
 from rtron.guard.override import Overridable
 from rtron.guard.pipeline import Pipeline
 from rtron.guard.senses import Senses
-from rtron.guard.stages import policies_of
+from rtron.guard.stages import changed_policies, policies_of
 from rtron.guard.starvation import end_starved
 from rtron.guard.stopper import Stopper
 from rtron.guard.transport.transport import Peer, Receive, Transport, TypeInfo
 from rtron.guard.types import codec_of, standard_info
 from rtron.guard.will import Will
+from rtron.policies import Policy, Release
+from rtron.policies.mission import Standing
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     UNAPPROVED,
@@ -32,12 +35,27 @@ from rtron.vocabulary import (
 )
 
 if TYPE_CHECKING:
+    from rtron.guard.delays import Delays
     from rtron.guard.measuring.stream import MeasuredStream
+    from rtron.messages.velocity import VelocityCodec
 
 log = logging.getLogger(__name__)
 
 _LONGEST_NAME = 128
 _MOST_STRANGERS = 32
+
+
+@dataclass(frozen=True, slots=True)
+class Adaptation:
+    """Other settings of a stream, ready to be put in force.
+
+    `policies` are those that change, by the coordination node; `md5sum` is that of the messages
+    which rules look into, "" where any will do.
+    """
+
+    stream: Stream
+    policies: Mapping[str, Policy]
+    md5sum: str
 
 
 class GuardedStream:
@@ -56,25 +74,29 @@ class GuardedStream:
         *,
         dry_run: bool = False,
     ) -> None:
-        self.stream = _with_unapproved(stream)
+        self.stream = self._complete(stream)
         self.nodes = tuple(f"{PRIVATE_ROOT}/{stage.id}" for stage in stream.stages)
         names = [*(flow.name for flow in stream.flows), UNAPPROVED]
         policies = policies_of(self.stream, senses)
         self.overridable = {k: v for k, v in policies.items() if isinstance(v, Overridable)}
         self.pipeline = Pipeline(tuple(policies.values()), names, self._passed)
+        self.pipeline.revise(_revision(stream))
         self.stopper = Stopper(stream, self._say)
         self.told: Callable[[], None] = lambda: None
         self.strangers: dict[str, int] = {}
         self.dry_run = dry_run
         self._latched = Latched(stream.topic, will)
         self.measured: MeasuredStream | None = None
+        self.delays: Delays | None = None
         self._transport = transport
         self._mission = senses.mission
         self._meets = _meets(stream)
-        action = senses.actions.get(stream.topic)
-        self._md5sum = action.md5sum if action else ""
+        self._md5sum = _written_for(stream, senses)
+        self._info: TypeInfo | None = None
+        self._codec: VelocityCodec | None = None
+        self._is_open = False
         self._armed_for: int | None = None
-        self._braked_by: set[str] = set()
+        self._braked_by: dict[str, str] = {}
         self._state: tuple[str | None, str] = (None, "")
         self._ends = Ends(self.stream, self.nodes, transport)
 
@@ -87,6 +109,9 @@ class GuardedStream:
                 self._subscribe(topic, partial(self._connect_flow, flow), self.stream.type)
         self._subscribe(self.stream.topic, self._connect_public, self.stream.type)
         self._open_done()
+        self._is_open = True
+        for why in self._braked_by.values():
+            self._hold(why)
 
     def report(
         self, learned: Callable[[TypeInfo], None], sent: Callable[[str, bytes], None]
@@ -111,12 +136,19 @@ class GuardedStream:
         return {}
 
     def brake(self, by: str, why: str) -> None:
-        """Let nothing pass and keep the robot stopped, until `by` releases it."""
+        """Let nothing pass and keep the robot stopped, until `by` releases it.
+
+        What is not open yet stops the robot when it is.
+        """
         self.pipeline.bar(by, self.pipeline.tallies, why)
-        self._learn_standard()
-        self._braked_by.add(by)
-        self.stopper.brake(why, self._transport.now())
-        self.attend(self._transport.now())
+        self._braked_by[by] = why
+        if self._is_open:
+            self._hold(why)
+
+    @property
+    def braked(self) -> str:
+        """Why the robot is kept stopped, or nothing."""
+        return next(iter(self._braked_by.values()), "")
 
     def bar(self, by: str, publisher: str, why: str) -> None:
         """Let nothing of a publisher pass until `by` releases it; stop the robot if it moves it."""
@@ -127,10 +159,53 @@ class GuardedStream:
     def release(self, by: str) -> None:
         """Let pass again what the policies let pass."""
         self.pipeline.free(by)
-        self._braked_by.discard(by)
-        if not self._braked_by:
+        self._braked_by.pop(by, None)
+        if self._braked_by:
+            self.stopper.explain(self.braked)
+        else:
             self.stopper.loosen()
+            for policy in self.overridable.values():
+                policy.again(self._transport.now())
         self.attend(self._transport.now())
+
+    def prepare(
+        self, stream: Stream, senses: Senses, standings: Mapping[str, Standing]
+    ) -> Adaptation:
+        """Return what `adapt` puts in force; nothing changes yet. PlanError if it cannot be."""
+        stream = self._complete(stream)
+        md5sum = _written_for(stream, senses)
+        if self._info and md5sum not in ("", self._info.md5sum):
+            told = f"{stream.topic}: its messages are of another version than the rules look into"
+            raise PlanError(told)
+        policies = changed_policies(self.stream, stream, senses, standings)
+        for policy in policies.values():
+            if self._codec and isinstance(policy, Overridable):
+                policy.learn(self._codec)
+        return Adaptation(stream, policies, md5sum)
+
+    def adapt(self, adaptation: Adaptation, now: int) -> Sequence[Release]:
+        """Put other settings of the stream in force; return what was held and can be no more.
+
+        It is for `pipeline.give_up`, once all streams have adapted.
+        """
+        self.stream, self._md5sum = adaptation.stream, adaptation.md5sum
+        self._meets = _meets(self.stream)
+        given_up: list[Release] = []
+        for at, stage in enumerate(self.stream.stages):
+            if policy := adaptation.policies.get(stage.id):
+                self._keep_overrides(stage.id, policy)
+                given_up += self.pipeline.replace(at, policy, now)
+        self.pipeline.revise(_revision(self.stream))
+        return given_up
+
+    def _keep_overrides(self, id: str, policy: Policy) -> None:
+        if isinstance(policy, Overridable):
+            policy.take_over(self.overridable[id])
+            self.overridable[id] = policy
+
+    def _complete(self, stream: Stream) -> Stream:
+        """Return a stream as it is guarded."""
+        return _with_unapproved(stream)
 
     def attend(self, now: int) -> None:
         """Stop the robot if what moves it may not go on: a rule, a limit or a stage has changed."""
@@ -212,14 +287,22 @@ class GuardedStream:
             told = "%s: %s has another type, %s"
             log.error(told, self.stream.topic, peer.node, peer.info.type)
             return False
+        self._info = peer.info
         codec = codec_of(peer.info, self._transport.encoding)
         if codec:
+            self._codec = codec
             self.stopper.learn(codec)
             if self.measured:
                 self.measured.learn(codec)
             for policy in self.overridable.values():
                 policy.learn(codec)
         return True
+
+    def _hold(self, why: str) -> None:
+        """Stop the robot; nothing passes that would move it again."""
+        self._learn_standard()
+        self.stopper.brake(why, self._transport.now())
+        self.attend(self._transport.now())
 
     def _learn_standard(self) -> None:
         """Know how to say stop although no publisher has told what its messages are."""
@@ -243,6 +326,8 @@ class GuardedStream:
             self._arm()
         if (self.pipeline.owner, self.stopper.why) != self._state:
             self._tell()
+        if self.delays:
+            self.delays.add(self._transport.now() - now)
         return verdict
 
     def _judged(self, flow: str, message: bytes, now: int) -> Verdict | None:
@@ -333,6 +418,16 @@ def _with_unapproved(stream: Stream) -> Stream:
         settings = replace(stage.settings, flows=(*stage.settings.flows, flow))
         stages.append(replace(stage, settings=settings))
     return replace(stream, stages=tuple(stages))
+
+
+def _revision(stream: Stream) -> int:
+    return max((stage.settings.revision for stage in stream.stages), default=0)
+
+
+def _written_for(stream: Stream, senses: Senses) -> str:
+    """Return the MD5 sum of the messages that the mission's rules look into, or nothing."""
+    action = senses.actions.get(stream.topic)
+    return action.md5sum if action else ""
 
 
 def _meets(stream: Stream) -> dict[str, list[str]]:

@@ -8,7 +8,7 @@ from functools import partial
 from rtron.guard.action.followed import FollowedStream, followed_action
 from rtron.guard.action.guarded import GuardedAction
 from rtron.guard.alarms import Alarms
-from rtron.guard.guarded import GuardedStream
+from rtron.guard.guarded import Adaptation, GuardedStream
 from rtron.guard.messages import (
     DIAGNOSTICS,
     FLOAT64,
@@ -20,7 +20,7 @@ from rtron.guard.messages import (
 )
 from rtron.guard.seldom import PERIOD, Seldom
 from rtron.guard.senses import Senses
-from rtron.guard.statuses import active_text, alarm_statuses, statuses
+from rtron.guard.statuses import active_text, alarm_statuses, emergency_statuses, statuses
 from rtron.guard.transport.transport import Output, Transport
 from rtron.guard.watching import Watching, Ways
 from rtron.guard.will import Will
@@ -50,6 +50,8 @@ class Host:
         """`will` is what a guard that ended has left to this one."""
         self.senses = senses or Senses()
         self.alarms = Alarms()
+        self.emergency = ""
+        """Why everything that moves the robot is stopped, or nothing."""
         self._transport = transport
         self._dry_run = dry_run
         self._will = will or Will()
@@ -91,7 +93,24 @@ class Host:
     def statuses(self) -> list[Status]:
         """Return the state of every stream, image node and rule."""
         now = self._transport.now()
-        return [*statuses(self.guarded, self.senses, now), *alarm_statuses(self.alarms, now)]
+        return [
+            *statuses(self.guarded, self.senses, now),
+            *emergency_statuses(self.emergency, dry_run=self._dry_run),
+            *alarm_statuses(self.alarms, now),
+        ]
+
+    def adapt(self, senses: Senses, adaptations: Sequence[Adaptation]) -> None:
+        """Put other settings of the streams in force, in their order; `attend` after it.
+
+        First all of them change; only then is anybody told what cannot be held any more.
+        """
+        self.senses = senses
+        now = self._transport.now()
+        pairs = zip(self.guarded, adaptations, strict=True)
+        given_up = [(guarded, guarded.adapt(each, now)) for guarded, each in pairs]
+        for guarded, releases in given_up:
+            guarded.pipeline.give_up(releases)
+        self._heard()
 
     def _guarded(self, stream: Stream) -> GuardedStream:
         common = (stream, self._transport, self.senses, self._will)

@@ -1,10 +1,11 @@
 """A supervised override: for a while, what a coordination node would forbid passes, and is told."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from rtron.guard.decoding import Decoding
 from rtron.messages.velocity import VelocityCodec
+from rtron.policies.carrying import Carried
 from rtron.policies.policy import Immediate, Policy, Release
 from rtron.vocabulary import UNAPPROVED, Decision, Verdict
 
@@ -24,16 +25,39 @@ class Overridable(Immediate):
     What cannot be judged, and who is not approved, is refused all the same.
     """
 
-    __slots__ = ("_policy", "override")
+    __slots__ = ("_policy", "granted", "override")
 
     def __init__(self, policy: Policy) -> None:
         self._policy = policy
+        self.granted: Mapping[str, Override] = {}
+        """What was granted, by the way it was asked for."""
         self.override: Override | None = None
+        """Of what was granted, what lasts longest."""
+
+    def grant(self, way: str, override: Override) -> None:
+        """Let pass as `override` says, in place of what was granted the same way before."""
+        self.granted = {**self.granted, way: override}
+        self._choose()
+
+    def end(self, way: str, now: int) -> None:
+        """Let what was granted one way be over by `now`."""
+        if way in self.granted:
+            self.grant(way, replace(self.granted[way], until=now))
+
+    def take_over(self, other: "Overridable") -> None:
+        """Be overridden as the one was in whose place this stands now."""
+        self.granted = other.granted
+        self._choose()
 
     def learn(self, codec: VelocityCodec) -> None:
         """Tell a policy that looks into messages how these are laid out."""
         if isinstance(self._policy, Decoding):
             self._policy.learn(codec)
+
+    def again(self, now: int) -> None:
+        """Look at what was asked for last again: what was to go out may have been held up."""
+        if isinstance(self._policy, Decoding):
+            self._policy.again(now)
 
     def limit(self, now: int) -> float | None:
         """Return the speed (m/s) that the policy allows now; None if it sets none."""
@@ -66,14 +90,26 @@ class Overridable(Immediate):
         if self.override and now < self.override.until:
             self._policy.tick(now)
             return ()
-        if self.override and isinstance(self._policy, Decoding):
-            self._policy.again(now)
-        self.override = None
+        if self.override:
+            self.again(now)
+        self.granted, self.override = {}, None
         return self._policy.tick(now)
 
     def close(self) -> Sequence[Release]:
         """Return what the policy gives up."""
         return self._policy.close()
+
+    def carry(self, now: int) -> Carried:
+        """Return the policy's state."""
+        return self._policy.carry(now)
+
+    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+        """Let the policy go on."""
+        return self._policy.resume(carried, now)
+
+    def revise(self, revision: int) -> None:
+        """Tell the policy."""
+        self._policy.revise(revision)
 
     def deadline(self) -> int | None:
         """Return when the policy wants to be asked again, or the override ends."""
@@ -86,6 +122,10 @@ class Overridable(Immediate):
     def owner(self) -> str | None:
         """The policy's owner."""
         return self._policy.owner
+
+    def _choose(self) -> None:
+        granted = self.granted.values()
+        self.override = max(granted, key=lambda override: override.until, default=None)
 
     def _overridden(self, verdict: Verdict, override: Override, now: int) -> Verdict:
         if now >= override.until or verdict.error or verdict.flow == UNAPPROVED:

@@ -14,6 +14,8 @@ log = logging.getLogger(__name__)
 
 LONGEST = 3600 * SECOND
 _LONGEST_REASON = 200
+_LONGEST_READ = 4096
+_WAY = "local"
 _KEYS = {"override", "duration", "reason"}
 
 
@@ -55,7 +57,7 @@ class Overriding:
 
     def _grant(self, policies: Sequence[Overridable], override: Override) -> None:
         for policy in policies:
-            policy.override = override
+            policy.grant(_WAY, override)
         self._transport.call_at(override.until, self._host.attend)
 
 
@@ -66,8 +68,12 @@ def _duration(value: object) -> int:
 
 
 def _reason(value: object) -> str:
-    """Return a reason on one line: what cannot be printed or encoded could forge lines of a log."""
     if not isinstance(value, str):
         raise WireError("a reason is a text")
-    printable = "".join(each if each.isprintable() else " " for each in value)
+    return on_one_line(value)
+
+
+def on_one_line(text: str) -> str:
+    """Return what can be printed of a text: the rest could forge lines of a log."""
+    printable = "".join(each if each.isprintable() else " " for each in text[:_LONGEST_READ])
     return " ".join(printable.split())[:_LONGEST_REASON]

@@ -4,12 +4,14 @@ Sans-I/O: what is let go is handed to `emit`; time is passed in.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from rtron.policies.carrying import InTurn
 from rtron.vocabulary import Decision, PolicyName, Verdict
 
 if TYPE_CHECKING:
+    from rtron.policies.carrying import Carried
     from rtron.policies.policy import Policy, Release
 
 Emit = Callable[[str, bytes, int], None]
@@ -40,8 +42,10 @@ class Pipeline:
         self.policies = tuple(policies)
         self.tallies: dict[str, Tally] = {flow: Tally() for flow in flows}
         self._emit = emit
-        self._after = [self.policies[at:] for at in range(len(self.policies) + 1)]
+        self._after = _rests(self.policies)
         self._bars: dict[tuple[str, str], Verdict] = {}
+        self._revision = 0
+        self._went: tuple[str, bytes, int] | None = None
         self.closed = ""
         self.changed: Callable[[Verdict], None] | None = None
         self.gave_up: Callable[[bytes, Verdict], None] = _forget
@@ -62,6 +66,31 @@ class Pipeline:
             return refusal
         return self._go_on(0, flow, message, now)
 
+    def replace(self, at: int, policy: "Policy", now: int) -> Sequence["Release"]:
+        """Let another policy go on in the place of the stage `at`; return what it cannot hold.
+
+        An action that one without turns has let go is in progress all the same.
+        """
+        before = self.policies[at]
+        carried = self._completed(before.carry(now))
+        given_up = (*before.close(), *policy.resume(carried, now))
+        self.policies = (*self.policies[:at], policy, *self.policies[at + 1 :])
+        self._after = _rests(self.policies)
+        return given_up
+
+    def give_up(self, releases: Iterable["Release"]) -> None:
+        """Tell what was held and will not go."""
+        for release in releases:
+            self._count(release.verdict)
+            self.gave_up(release.message, release.verdict)  # type: ignore[arg-type]
+
+    def revise(self, revision: int) -> None:
+        """Give verdicts by settings of `revision` from now on, also where nothing has changed."""
+        self._revision = revision
+        for policy in self.policies:
+            policy.revise(revision)
+        self._bars = {key: replace(bar, revision=revision) for key, bar in self._bars.items()}
+
     def tick(self, now: int) -> None:
         """Let time pass: what a stage releases goes on to the stages after it."""
         for at, policy in enumerate(() if self.closed else self.policies):
@@ -70,12 +99,14 @@ class Pipeline:
 
     def done(self, now: int) -> None:
         """Learn that the action in progress is done."""
+        self._went = None
         for policy in self.policies:
             policy.observe_done(now)
         self.tick(now)
 
     def occupy(self, flow: str, now: int) -> None:
         """Learn that an action is in progress that was not let go here."""
+        self._went = (flow, b"", now)
         for policy in self.policies:
             policy.occupy(flow, now)
 
@@ -96,7 +127,7 @@ class Pipeline:
     def bar(self, by: str, flows: Iterable[str], why: str) -> None:
         """Let nothing of these flows pass until `by` frees them, whatever the policies say."""
         for flow in flows:
-            reason = Verdict(Decision.DROP, flow, PolicyName.BLOCK, why, revision=0)
+            reason = Verdict(Decision.DROP, flow, PolicyName.BLOCK, why, self._revision)
             self._bars[by, flow] = reason
 
     def free(self, by: str) -> None:
@@ -114,9 +145,7 @@ class Pipeline:
         """Let nothing through any more; what was held is dropped with a verdict."""
         self.closed = why
         for policy in self.policies:
-            for release in policy.close():
-                self._count(release.verdict)
-                self.gave_up(release.message, release.verdict)  # type: ignore[arg-type]
+            self.give_up(policy.close())
 
     def _barred(self, flow: str) -> Verdict | None:
         if not self._bars:
@@ -169,8 +198,17 @@ class Pipeline:
         if verdict is None:
             raise AssertionError("a pipeline has a stage")
         self._count(verdict)
+        self._went = (flow, message, now)
         self._emit(flow, message, now)
         return verdict
+
+    def _completed(self, carried: "Carried") -> "Carried":
+        """Add what went out last, whatever the policy knows of it."""
+        if self._went is None:
+            return carried
+        flow, message, at = self._went
+        turn = carried.turn if carried.turns else InTurn(flow, at, at)
+        return replace(carried, turn=turn, last=(flow, message))
 
     def _count(self, verdict: Verdict) -> None:
         tally = self.tallies[verdict.flow]
@@ -186,6 +224,11 @@ class Pipeline:
         else:
             tally.held += 1
         tally.last = verdict
+
+
+def _rests(policies: Sequence["Policy"]) -> list[tuple["Policy", ...]]:
+    """Return the policies from each stage on, and none behind the last."""
+    return [tuple(policies[at:]) for at in range(len(policies) + 1)]
 
 
 def _differs(one: Verdict, other: Verdict | None) -> bool:

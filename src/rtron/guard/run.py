@@ -13,6 +13,8 @@ from rtron.guard.audit.auditor import Auditor
 from rtron.guard.control import Answer, Control, control_path
 from rtron.guard.fence.place import private_master
 from rtron.guard.host import Host
+from rtron.guard.link.linked import Linked
+from rtron.guard.link.options import LinkOptions
 from rtron.guard.measuring.measuring import Measuring, Write
 from rtron.guard.overriding import Overriding
 from rtron.guard.senses import senses_of
@@ -35,13 +37,15 @@ def run_guard(
     control: Path | None = None,
     figures: Write | None = None,
     tie: Tie | None = None,
+    link: LinkOptions | None = None,
 ) -> int:
     """Guard a plan's streams on the ROS 1 master at `master`; return the exit code.
 
     A dry run lets everything pass and reports what would have become of it. `control` is where
     the guard listens for overrides, by default in the user's runtime folder. `figures` keeps what
-    is measured meanwhile. `tie` connects the guard to its supervisor. SourceError if the plan is
-    for ROS 2, whose transport is not there yet, or if `control` cannot be used.
+    is measured meanwhile. `tie` connects the guard to its supervisor, `link` to the security
+    service, whose last settings are put in force first. SourceError if the plan is for ROS 2, whose
+    transport is not there yet, or if `control` cannot be used.
     """
     if plan.ros != 1:
         raise SourceError("this guard speaks ROS 1 only", help="the plan says `ros: 2`")
@@ -53,6 +57,7 @@ def run_guard(
     senses = measuring.senses if measuring else senses_of(plan)
     will = tie.will if tie else None
     host = Host(transport, streams(plan), senses, dry_run=dry_run, will=will)
+    linked = Linked(plan, host, transport, loop, link) if link else None
     if tie:
         tie.open(loop, host)
     if measuring and figures:
@@ -60,7 +65,7 @@ def run_guard(
         measuring.keep(figures)
     door = _door(loop, plan, control, Overriding(host, transport).answer)
     auditor = Auditor(plan, master, host, transport, loop, dry_run=dry_run)
-    run_host(host, transport, loop, auditor, tie)
+    run_host(host, transport, loop, auditor, tie, linked)
     if measuring and figures:
         figures(measuring.run())
     if door:
@@ -86,6 +91,7 @@ def run_host(
     loop: Loop,
     auditor: Auditor | None = None,
     tie: Tie | None = None,
+    linked: Linked | None = None,
 ) -> None:
     """Guard until SIGINT, SIGTERM or, unless it is supervised, a kill of the guard's own node."""
     shutdowns = Refusing(loop) if tie else Obeying(host, transport, loop)
@@ -100,11 +106,15 @@ def run_host(
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.post(loop.stop))
     host.open()
+    if linked:
+        linked.open()
     if auditor:
         auditor.start()
     _favour_messages()
     log.info("guarding %d topics", len(host.guarded))
     loop.run()
+    if linked:
+        linked.close()
     if tie:
         tie.close()
     if auditor:

@@ -81,7 +81,7 @@ def senses_of(plan: Plan) -> Senses:
         mission=Mission(bits, rules),
         monitors=plan.fps_monitor,
         events=_events(msrcn, bits, judges),
-        actions={topic.topic: _action(topic, msrcn, judges) for topic in _looked_into(msrcn)},
+        actions=_actions(msrcn, judges),
         node=msrcn.id,
     )
 
@@ -108,18 +108,19 @@ def _each_counts(flows: int) -> Judging:
     return lambda message: counts
 
 
-def _looked_into(msrcn: MSRCN) -> list[GuardedTopic]:
-    return [topic for topic in msrcn.aflows if _looking(topic, msrcn)]
-
-
-def _action(topic: GuardedTopic, msrcn: MSRCN, judges: Judges) -> ActionJudge:
-    rules = _looking(topic, msrcn)
+def action_judge(topic: GuardedTopic, rules: Sequence[Rule], judges: Judges) -> ActionJudge:
+    """Return what judges the messages of a topic by the `action` of rules."""
     texts, frames = [rule.action for rule in rules], [rule.frame for rule in rules]
     md5sum, judge = judges.make(topic.type, "action", texts, frames)
     return ActionJudge(md5sum, tuple(rule.name for rule in rules), judge)
 
 
-def _looking(topic: GuardedTopic, msrcn: MSRCN) -> list[Rule]:
+def looking_into(topic: GuardedTopic, msrcn: MSRCN) -> list[Rule]:
     """Return the rules that look into the messages of a topic."""
     named = {topic.topic, *(flow.name for flow in topic.flows)}
     return [rule for rule in msrcn.rules if rule.action and named.intersection(rule.block)]
+
+
+def _actions(msrcn: MSRCN, judges: Judges) -> dict[str, ActionJudge]:
+    looking = ((topic, looking_into(topic, msrcn)) for topic in msrcn.aflows)
+    return {topic.topic: action_judge(topic, rules, judges) for topic, rules in looking if rules}

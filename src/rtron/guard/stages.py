@@ -1,24 +1,32 @@
 """The policies of a stream's stages, each with the senses that it needs."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from rtron.guard.decoding import Decoding
 from rtron.guard.override import Overridable
 from rtron.guard.senses import Senses
 from rtron.policies import Policy, build
 from rtron.policies.limiting import Limiting
+from rtron.policies.mission import Standing
 from rtron.policies.rule_block import Judgement, RuleBlock
 from rtron.vocabulary import CoordinationKind, Stage, Stream
 
 
-def policy_of(stage: Stage, topic: str, senses: Senses) -> Policy:
-    """Return what decides in a stage; all but a GRCN's can be overridden."""
+def policy_of(
+    stage: Stage, topic: str, senses: Senses, standings: Mapping[str, Standing] | None = None
+) -> Policy:
+    """Return what decides in a stage; all but a GRCN's can be overridden.
+
+    `standings` are those of the mission once other rules are in force. PlanError if the settings
+    cannot be.
+    """
     if stage.coordination is CoordinationKind.GRCN:
         return build(stage.settings)
     if stage.coordination is CoordinationKind.MSRCN:
         action = senses.actions.get(topic)
         judge = action.judged if action else _nothing
-        return Overridable(RuleBlock(stage.settings, senses.mission, judge))
+        return Overridable(RuleBlock(stage.settings, senses.mission, judge, standings))
     policy = build(stage.settings, senses.rates)
     return Overridable(Decoding(policy) if isinstance(policy, Limiting) else policy)
 
@@ -26,6 +34,17 @@ def policy_of(stage: Stage, topic: str, senses: Senses) -> Policy:
 def policies_of(stream: Stream, senses: Senses) -> dict[str, Policy]:
     """Return the policies of a stream's stages, in their order, by the coordination node."""
     return {stage.id: policy_of(stage, stream.topic, senses) for stage in stream.stages}
+
+
+def changed_policies(
+    before: Stream, after: Stream, senses: Senses, standings: Mapping[str, Standing]
+) -> dict[str, Policy]:
+    """Return the policies of the stages whose settings differ, by the coordination node."""
+    return {
+        stage.id: policy_of(stage, after.topic, senses, standings)
+        for old, stage in zip(before.stages, after.stages, strict=True)
+        if replace(stage.settings, revision=old.settings.revision) != old.settings
+    }
 
 
 def _nothing(_message: object) -> Mapping[str, Judgement]:

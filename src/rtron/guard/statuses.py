@@ -33,6 +33,13 @@ def statuses(guarded: Sequence[GuardedStream], senses: Senses, now: int) -> list
     ]
 
 
+def emergency_statuses(why: str, *, dry_run: bool) -> Iterator[Status]:
+    """Yield the emergency stop while it is in force."""
+    if why:
+        told = f"{why} (dry run, nothing is stopped)" if dry_run else why
+        yield Status(ERROR, "rtron: emergency stop", told, {})
+
+
 def alarm_statuses(alarms: Alarms, now: int) -> Iterator[Status]:
     """Yield the state of the alarms: one entry for all, and one for each that stands."""
     standing = alarms.standing

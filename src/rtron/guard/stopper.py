@@ -63,6 +63,12 @@ class Stopper:
         """The flow that moves the robot."""
         return self._stopping.flow
 
+    @property
+    def speed(self) -> float | None:
+        """The speed (m/s) that went out last; None before, and where nothing is moved."""
+        velocity = self._velocity() if self._last else None
+        return velocity.speed if velocity else None
+
     def said(self, flow: str, message: bytes, now: int) -> None:
         """Note that a message of `flow` went out."""
         if self._codec is not None:
@@ -97,6 +103,10 @@ class Stopper:
         """Stop the robot, and keep it stopped until `loosen`; nothing if this stream moves none."""
         if self._codec is not None:
             self._stopping.brake(why, now)
+
+    def explain(self, why: str) -> None:
+        """Say why the stop that is under way goes on."""
+        self._stopping.explain(why)
 
     def loosen(self) -> None:
         """Let the stop end as any other."""

@@ -40,6 +40,7 @@ _SECTIONS = {
 # (iflows) and decides about the velocities (vflows).
 # Safe: at most `threshold` (0.02 m/frame) times the least rate, `lowest` where one is silent.
 # Constrain: at most `max_vel_limit` (0.22 m/s). Safe+Constrain: the lower of the two.
+# `mandatory: Constrain`: the end user can then select what includes it only, and lower the limit.
 """,
     "msrcn": """
 # MSRCN: the one before the actuators. It knows the events (eflows) and blocks the actions
@@ -56,6 +57,7 @@ _SECTIONS = {
 #   areas:
 #     - {name: kitchen, frame: map, polygon: [{x: 0 m, y: 0 m}, {x: 3 m, y: 0 m}, {x: 3 m, y: 2 m}]}
 # `require: /alert` in a rule: what it blocks stays blocked until /alert has spoken.
+# `mandatory: true` in a rule: the end user can neither deselect nor weaken it.
 """,
     "fps_monitor": """
 # fps_monitor: one for each image node, on the topic that it publishes for every frame, and no

@@ -1,6 +1,10 @@
 """The verdicts a policy gives: built once for a flow and a reason, not once a message."""
 
+from collections.abc import Iterable
+
 from rtron.errors import PlanError
+from rtron.policies.policy import Release
+from rtron.policies.waiting import Held
 from rtron.vocabulary import SECOND, UNAPPROVED, Decision, Flow, PolicySettings, Verdict
 
 
@@ -22,6 +26,11 @@ class Answers:
             verdict = self._last[flow] = self.once(flow, reason)
         return verdict
 
+    def revise(self, revision: int) -> None:
+        """Give the verdicts of other settings from now on."""
+        self._revision = revision
+        self._last.clear()
+
     def once(
         self, flow: str, reason: str, message: object = None, *, error: bool = False
     ) -> Verdict:
@@ -32,22 +41,37 @@ class Answers:
 class Gate:
     """The flows that may speak at all, by name, and the verdict for everyone else."""
 
-    __slots__ = ("_drop", "_refused", "flows")
+    __slots__ = ("_drop", "_reasons", "flows")
 
     def __init__(self, settings: PolicySettings) -> None:
         self.flows = {flow.name: flow for flow in settings.flows if not flow.block}
         self._drop = Answers(settings, Decision.DROP)
-        self._refused = {UNAPPROVED: self._unknown(UNAPPROVED)}
+        self._reasons = {UNAPPROVED: _unknown(UNAPPROVED)}
         for flow in settings.flows:
             if flow.block:
-                self._refused[flow.name] = self._drop.once(flow.name, f"{flow.name} is blocked")
+                self._reasons[flow.name] = f"{flow.name} is blocked"
 
     def refusal(self, flow: str) -> Verdict:
         """Return the verdict for a flow that is blocked or that the settings do not name."""
-        return self._refused.get(flow) or self._unknown(flow)
+        reason = self._reasons.get(flow)
+        return self._drop.give(flow, reason) if reason else self._drop.once(flow, _unknown(flow))
 
-    def _unknown(self, flow: str) -> Verdict:
-        return self._drop.once(flow, f"{flow} is not an approved flow")
+    def revise(self, revision: int) -> None:
+        """Give the verdicts of other settings from now on."""
+        self._drop.revise(revision)
+
+    def give_up(self, held: Iterable[Held]) -> list[Release]:
+        """Let messages go that waited under a policy before: this one holds none."""
+        return [Release(each.message, self._given_up(each.flow.name)) for each in held]
+
+    def _given_up(self, flow: str) -> Verdict:
+        if flow not in self.flows:
+            return self.refusal(flow)
+        return self._drop.give(flow, "the policy has changed, and messages wait no more")
+
+
+def _unknown(flow: str) -> str:
+    return f"{flow} is not an approved flow"
 
 
 def check_priorities(settings: PolicySettings) -> None:

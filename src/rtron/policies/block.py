@@ -20,7 +20,7 @@ dropped too.
 
 ## States
 
-Block remembers nothing: it has one state.
+Block has one state. It remembers when each flow spoke last, for a policy that takes its place.
 
 ## Example
 
@@ -40,9 +40,12 @@ Block remembers nothing: it has one state.
 'flow2 is blocked'
 """
 
+from collections.abc import Sequence
+
 from rtron.policies.answers import Answers, Gate
+from rtron.policies.carrying import Carried
 from rtron.policies.machine import Effect, Machine, Named, Table
-from rtron.policies.policy import Immediate
+from rtron.policies.policy import Immediate, Release
 from rtron.vocabulary import Decision, PolicySettings, Verdict
 
 
@@ -68,25 +71,39 @@ TABLE: Table[State, Input] = {
 class Block(Immediate):
     """A block bit for each flow."""
 
-    __slots__ = ("_gate", "_machine", "_passed")
+    __slots__ = ("_gate", "_machine", "_pass", "_reasons", "_spoke")
 
     def __init__(self, settings: PolicySettings) -> None:
         self._gate = Gate(settings)
         self._machine = Machine(TABLE, State.WATCHING)
-        answers = Answers(settings, Decision.PASS)
-        self._passed = {
-            name: answers.once(name, f"{name} is not blocked") for name in self._gate.flows
-        }
+        self._pass = Answers(settings, Decision.PASS)
+        self._reasons = {name: f"{name} is not blocked" for name in self._gate.flows}
+        self._spoke: dict[str, int] = {}
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:  # noqa: ARG002
         """Pass the message unless its flow is blocked or unknown."""
-        passed = self._passed.get(flow)
-        if passed is None:
+        reason = self._reasons.get(flow)
+        if reason is None:
             self._machine.step(Input.REFUSED)
             return self._gate.refusal(flow)
         self._machine.step(Input.ALLOWED)
-        return passed
+        self._spoke[flow] = now
+        return self._pass.give(flow, reason)
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
         return None if flow in self._gate.flows else self._gate.refusal(flow)
+
+    def carry(self, now: int) -> Carried:  # noqa: ARG002
+        """Return when each flow spoke last."""
+        return Carried(spoke=self._spoke)
+
+    def resume(self, carried: Carried, now: int) -> Sequence[Release]:  # noqa: ARG002
+        """Know who spoke when; let go what waited."""
+        self._spoke = {flow: at for flow, at in carried.spoke.items() if flow in self._gate.flows}
+        return self._gate.give_up(carried.held)
+
+    def revise(self, revision: int) -> None:
+        """Say from now on that verdicts are by settings of `revision`."""
+        self._gate.revise(revision)
+        self._pass.revise(revision)

@@ -1,6 +1,6 @@
 """Who has spoken lately, and which of them has the highest priority."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from heapq import heappop, heappush
 
@@ -39,6 +39,17 @@ class Speakers:
         if not speaker.listed:
             speaker.listed = True
             heappush(self._heap, (-speaker.flow.priority, speaker))
+
+    def spoke(self, now: int) -> dict[str, int]:
+        """Return when each fresh flow spoke last."""
+        named = self.named.items()
+        return {name: each.lapses - each.limit for name, each in named if now < each.lapses}
+
+    def resume(self, spoke: Mapping[str, int]) -> None:
+        """Take over who spoke when, of the flows that may speak here."""
+        for name, at in spoke.items():
+            if name in self.named:
+                self.hear(self.named[name], at)
 
     def highest(self, now: int) -> Speaker | None:
         """Return the fresh flow of highest priority."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from rtron.policies.answers import Answers, Gate, check_priorities, has_output, with_priority
+from rtron.policies.carrying import Asked, Carried
 from rtron.policies.freshness import Speakers
 from rtron.policies.machine import Effect, Machine, Named, Table
 from rtron.policies.policy import Immediate, Release
@@ -100,6 +101,7 @@ class Limiting(Immediate):
         self._modify = Answers(settings, Decision.MODIFY)
         self._machine = Machine(TABLE, State.WITHIN)
         self._speakers = self._ordered(settings)
+        self._spoke: dict[str, int] = {}
         self._asked: _Asked | None = None
         self._due: int | None = None
         self._now = 0
@@ -154,6 +156,32 @@ class Limiting(Immediate):
             self._asked.sent = self._asked.wanted
             self._due = now
 
+    def carry(self, now: int) -> Carried:
+        """Return what was asked for last, and who is fresh."""
+        asked = self._asked
+        return Carried(
+            spoke=self._speakers.spoke(now) if self._speakers else self._spoke,
+            asked=Asked(asked.flow, asked.wanted, asked.sent) if asked else None,
+        )
+
+    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+        """Know who is fresh, and look at once whether the limit changes what was asked for last.
+
+        A flow that is blocked by now gets nothing back.
+        """
+        self._spoke = {flow: at for flow, at in carried.spoke.items() if flow in self._gate.flows}
+        if self._speakers:
+            self._speakers.resume(self._spoke)
+        if carried.asked:
+            self._take_over(carried.asked)
+            self._due = now
+        return ()
+
+    def revise(self, revision: int) -> None:
+        """Say from now on that verdicts are by settings of `revision`."""
+        for each in (self._gate, self._pass, self._drop, self._modify):
+            each.revise(revision)
+
     def deadline(self) -> int | None:
         """Return when to look at a changing limit again."""
         return self._due
@@ -163,6 +191,12 @@ class Limiting(Immediate):
         """The flow of highest priority, where the flows have an order."""
         speaker = self._speakers.highest(self._now) if self._speakers else None
         return speaker.flow.name if speaker else None
+
+    def _take_over(self, asked: Asked) -> None:
+        wanted = asked.wanted if asked.flow in self._gate.flows else asked.sent
+        self._asked = _Asked(asked.flow, wanted, asked.sent)
+        if asked.sent != wanted:
+            self._machine.step(Input.ABOVE)
 
     def _judge(self, flow: str, wanted: Velocity, now: int) -> Verdict:
         limit = self._limits.at(now)
@@ -192,6 +226,7 @@ class Limiting(Immediate):
     def _higher(self, flow: str, now: int) -> str:
         """Return why a message of `flow` must not go: a flow of higher priority has spoken."""
         if self._speakers is None:
+            self._spoke[flow] = now
             return ""
         speaker = self._speakers.named[flow]
         self._speakers.hear(speaker, now)

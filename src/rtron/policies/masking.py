@@ -1,6 +1,9 @@
 """Whose turn it is among commands that wait for higher ones to fall silent."""
 
+from collections.abc import Mapping
+
 from rtron.policies.answers import goes_next, has_output, with_priority
+from rtron.policies.carrying import Carried, InTurn
 from rtron.policies.freshness import Speaker, Speakers
 from rtron.vocabulary import Flow, PolicySettings
 
@@ -63,3 +66,21 @@ class MaskingTurn:
         """Return when the owner falls silent, or a flow that masks although its message is gone."""
         speaker = self._owner or self._highest
         return speaker.lapses if speaker else None
+
+    def in_turn(self) -> InTurn | None:
+        """Return whose turn it is; of a command, only when it went last matters."""
+        owner = self._owner
+        if owner is None:
+            return None
+        spoke = owner.lapses - owner.limit
+        return InTurn(owner.flow.name, spoke, spoke)
+
+    def spoke(self, now: int) -> Mapping[str, int]:
+        """Return when each fresh flow spoke last."""
+        return self._speakers.spoke(now)
+
+    def resume(self, owner: Flow | None, carried: Carried) -> None:
+        """Know who spoke when; the owner stays the one whose command went last."""
+        self._speakers.resume(carried.spoke)
+        if owner and owner.name in carried.spoke:
+            self._owner = self._speakers.named[owner.name]

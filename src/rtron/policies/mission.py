@@ -64,6 +64,26 @@ class Standing:
         self.owed = self.owed or (begins and bool(self.rule.require))
         return self.blocks is not before
 
+    def change(self, rule: Rule, condition: Condition, known: Mapping[str, bool]) -> bool:
+        """Take the place of the rule of this name; tell whether it began or ceased to block.
+
+        What is owed stays owed as long as the same is required. A condition that is another one
+        is looked at as if it had never held.
+        """
+        before = self.blocks
+        if rule.when != self.rule.when:
+            self.holds, self.met, self.unknown = False, False, ()
+        self.owed = self.owed and rule.require == self.rule.require
+        self.rule, self.condition = rule, condition
+        self.update(known)
+        return self.blocks is not before
+
+    def end(self) -> bool:
+        """Block nothing any more; tell whether it did."""
+        before = self.blocks
+        self.holds = self.owed = False
+        return before
+
     def meet(self) -> bool:
         """Note that what the rule requires was seen; tell whether that ends its block."""
         ends = self.blocks
@@ -88,13 +108,41 @@ class Mission:
         self.changed: Callable[[Standing], None] = lambda standing: None
         self.due: int | None = 0
         self._known: dict[str, bool] = {}
-        self._asking: dict[str, list[Standing]] = defaultdict(list)
-        self._requiring: dict[str, list[str]] = defaultdict(list)
         for standing in self.standings.values():
             standing.update(self._known)
-            self._requiring[standing.rule.require].append(standing.rule.name)
-            for name in standing.condition.names:
-                self._asking[name].append(standing)
+        self._index()
+
+    def with_rules(self, rules: Iterable[tuple[Rule, Condition]]) -> dict[str, Standing]:
+        """Return what `standings` will be with other rules; nothing changes yet.
+
+        A rule that is called as one before will be the standing of this one.
+        """
+        made = (Standing(rule, condition) for rule, condition in rules)
+        return {new.rule.name: self.standings.get(new.rule.name, new) for new in made}
+
+    def replace(
+        self,
+        standings: dict[str, Standing],
+        rules: Iterable[tuple[Rule, Condition]],
+        now: int,
+    ) -> None:
+        """Put other rules in force, with the standings that `with_rules` has made for them.
+
+        The bits stay, unchanged rules stand as they did, and what is gone blocks nothing any more.
+        """
+        self.catch_up(now)
+        before, self.standings = self.standings, standings
+        gone = [each for name, each in before.items() if name not in standings]
+        changed = [each for each in gone if each.end()]
+        for rule, condition in rules:
+            standing = standings[rule.name]
+            if rule.name not in before:
+                begins = standing.update(self._known)
+            else:
+                begins = rule != standing.rule and standing.change(rule, condition, self._known)
+            changed += [standing] if begins else []
+        self._index()
+        self._tell(changed)
 
     def observe(self, flow: str, judged: Truth, now: int) -> None:
         """Take an event of an eflow, and what it says; it may be what a rule requires."""
@@ -122,6 +170,15 @@ class Mission:
     def meet(self, rules: Iterable[str]) -> None:
         """Note that what these rules require was seen."""
         self._tell([each for name in rules if (each := self.standings[name]).meet()])
+
+    def _index(self) -> None:
+        """Know which rules ask for which bit, and which require what."""
+        self._asking: dict[str, list[Standing]] = defaultdict(list)
+        self._requiring: dict[str, list[str]] = defaultdict(list)
+        for standing in self.standings.values():
+            self._requiring[standing.rule.require].append(standing.rule.name)
+            for name in standing.condition.names:
+                self._asking[name].append(standing)
 
     def _tell(self, changed: Iterable[Standing]) -> None:
         for standing in changed:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from rtron.policies.carrying import Carried
 from rtron.vocabulary import Verdict
 
 
@@ -61,7 +62,22 @@ class Policy(Protocol):
         ...
 
     def close(self) -> Sequence[Release]:
-        """Give up every held message, because other settings or the end follow."""
+        """Give up every held message, because the end follows."""
+        ...
+
+    def carry(self, now: int) -> Carried:
+        """Return what the policy that takes the place of this one must know; this one is done."""
+        ...
+
+    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+        """Go on, as the first thing of all, where the policy before has ended.
+
+        Return the messages which waited there and cannot wait here, each with its verdict.
+        """
+        ...
+
+    def revise(self, revision: int) -> None:
+        """Say from now on that verdicts are by settings of `revision`, which are the same here."""
         ...
 
     def deadline(self) -> int | None:
@@ -94,6 +110,14 @@ class Immediate:
 
     def close(self) -> Sequence[Release]:
         """Nothing is ever held."""
+        return ()
+
+    def carry(self, now: int) -> Carried:  # noqa: ARG002
+        """Nothing is remembered."""
+        return Carried()
+
+    def resume(self, carried: Carried, now: int) -> Sequence[Release]:  # noqa: ARG002
+        """Nothing of it matters here."""
         return ()
 
     def deadline(self) -> int | None:

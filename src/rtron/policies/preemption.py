@@ -54,6 +54,7 @@ pass
 from collections.abc import Sequence
 
 from rtron.policies.answers import Answers, Gate, check_priorities, has_output, with_priority
+from rtron.policies.carrying import Carried
 from rtron.policies.freshness import Speaker, Speakers
 from rtron.policies.machine import Effect, Machine, Named, Table
 from rtron.policies.policy import Immediate, Release
@@ -131,6 +132,23 @@ class Preemption(Immediate):
     def deadline(self) -> int | None:
         """Return when the owner falls silent if it says nothing more."""
         return self._owner.lapses if self._owner else None
+
+    def carry(self, now: int) -> Carried:
+        """Return who is fresh."""
+        return Carried(spoke=self._speakers.spoke(now))
+
+    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+        """Know who is fresh, and who of them owns the output; let go what waited."""
+        self._speakers.resume(carried.spoke)
+        self._owner = self._speakers.highest(now)
+        if self._owner:
+            self._machine.step(Input.HIGHEST)
+        return self._gate.give_up(carried.held)
+
+    def revise(self, revision: int) -> None:
+        """Say from now on that verdicts are by settings of `revision`."""
+        for each in (self._gate, self._pass, self._drop):
+            each.revise(revision)
 
     @property
     def owner(self) -> str | None:

@@ -9,8 +9,10 @@ waits for a lower one.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from rtron.policies.answers import Answers, Gate, has_output, seconds
+from rtron.policies.carrying import Carried, InTurn
 from rtron.policies.machine import Effect, Machine, Named, Table
 from rtron.policies.policy import Release
 from rtron.policies.turn import Turn
@@ -130,6 +132,35 @@ class Queue:
             self._give_up(held, "the queue was closed")
         return self._take_leaving()
 
+    def carry(self, now: int) -> Carried:
+        """Return who waits, whose turn it is, and who is fresh; `close` has what does not wait."""
+        self._let_time_pass(now)
+        held = self._waiting.all()
+        for each in held:
+            self._waiting.remove(each)
+        spoke = dict(self._turn.spoke(now))
+        for each in held if self._commands else ():
+            spoke[each.flow.name] = max(each.arrived, spoke.get(each.flow.name, each.arrived))
+        return Carried(spoke=spoke, turns=True, turn=self._turn.in_turn(), held=held)
+
+    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+        """Hold what waited, in its order, and go on with the turn; refuse what is blocked here."""
+        flows = self._gate.flows
+        held = [each for each in carried.held if each.flow.name in flows]
+        refused = [each for each in carried.held if each.flow.name not in flows]
+        self._waiting.take_over(replace(each, flow=flows[each.flow.name]) for each in held)
+        spoke = {name: at for name, at in carried.spoke.items() if name in flows}
+        self._turn.resume(self._going_on(carried.turn), replace(carried, spoke=spoke))
+        if self._turn.owner:
+            self._machine.step(Input.OCCUPIED)
+        self._let_time_pass(now)
+        return self._gate.give_up(refused)
+
+    def revise(self, revision: int) -> None:
+        """Say from now on that verdicts are by settings of `revision`."""
+        for each in (self._gate, self._pass, self._hold, self._drop):
+            each.revise(revision)
+
     def deadline(self) -> int | None:
         """Return when a turn ends or a message grows too old; the present if something is due."""
         if self._leaving or self._due():
@@ -144,6 +175,13 @@ class Queue:
         """The flow whose turn it is, as of the last call."""
         owner = self._turn.owner
         return owner.name if owner else None
+
+    def _going_on(self, turn: InTurn | None) -> Flow | None:
+        """Return whose turn goes on: an action is in progress, even if its flow is blocked now."""
+        if turn is None:
+            return None
+        flow = self._gate.flows.get(turn.flow)
+        return flow if flow or self._commands else Flow(name=turn.flow, publisher=turn.flow)
 
     def _let_time_pass(self, now: int) -> None:
         self._now = now

@@ -26,41 +26,52 @@ class RuleBlock(Immediate):
         "_judged",
         "_looked_into",
         "_mission",
-        "_passed",
+        "_pass",
+        "_reasons",
         "_rules",
     )
 
-    def __init__(self, settings: PolicySettings, mission: Mission, judge: Judge) -> None:
+    def __init__(
+        self,
+        settings: PolicySettings,
+        mission: Mission,
+        judge: Judge,
+        standings: Mapping[str, Standing] | None = None,
+    ) -> None:
+        """`standings` are those of the mission, or what they will be."""
+        standings = mission.standings if standings is None else standings
         self._gate = Gate(settings)
         self._drop = Answers(settings, Decision.DROP)
-        passed = Answers(settings, Decision.PASS)
-        self._passed = {
-            name: passed.once(name, f"no rule blocks {name}") for name in self._gate.flows
-        }
+        self._pass = Answers(settings, Decision.PASS)
+        self._reasons = {name: f"no rule blocks {name}" for name in self._gate.flows}
         self._mission = mission
         self._judge = judge
         self._looked_into: object = None
         self._judged: Mapping[str, Judgement] = {}
         self._rules: dict[str, tuple[Standing, ...]] = {
-            flow: tuple(
-                mission.standings[rule.name] for rule in settings.rules if flow in rule.blocks
-            )
+            flow: tuple(standings[rule.name] for rule in settings.rules if flow in rule.blocks)
             for flow in self._gate.flows
         }
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Drop the message if a rule that holds at `now` blocks it."""
-        return self.refusal(flow, now, message) or self._passed[flow]
+        refusal = self.refusal(flow, now, message)
+        return refusal or self._pass.give(flow, self._reasons[flow])
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:
         """Return what a message is dropped with: a bit, or a rule that blocks."""
-        if flow not in self._passed:
+        if flow not in self._reasons:
             return self._gate.refusal(flow)
         self._mission.catch_up(now)
         for standing in self._rules[flow]:
             if standing.blocks and (found := self._found(standing, message)) is not False:
                 return self._dropped(flow, standing, found)
         return None
+
+    def revise(self, revision: int) -> None:
+        """Say from now on that verdicts are by settings of `revision`."""
+        for each in (self._gate, self._pass, self._drop):
+            each.revise(revision)
 
     def _found(self, standing: Standing, message: object) -> Judgement:
         """Return what a rule says about a message; without one, only whether it blocks all."""

@@ -133,6 +133,12 @@ class Stopping:
         self._braked = True
         if self._machine.step(Input.BRAKED) is Effect.STOP:
             self._start(velocity, why, now)
+        self.why = why
+
+    def explain(self, why: str) -> None:
+        """Take another reason for a stop that is under way; the ramp goes on as it is."""
+        if self._machine.state is State.STOPPING:
+            self.why = why
 
     def loosen(self) -> None:
         """Let the stop end as any other."""

@@ -1,8 +1,10 @@
 """Whose turn it is: what a queue asks before it lets a message go."""
 
+from collections.abc import Mapping
 from typing import Protocol
 
 from rtron.policies.answers import goes_next, has_output
+from rtron.policies.carrying import Carried, InTurn
 from rtron.vocabulary import Flow, PolicySettings
 
 
@@ -41,6 +43,18 @@ class Turn(Protocol):
         """Return when `lapse` next has something to do."""
         ...
 
+    def in_turn(self) -> InTurn | None:
+        """Return whose turn it is, and since when."""
+        ...
+
+    def spoke(self, now: int) -> Mapping[str, int]:
+        """Return when each fresh flow spoke last."""
+        ...
+
+    def resume(self, owner: Flow | None, carried: Carried) -> None:
+        """Go on where another turn has ended: with its owner, and with who spoke when."""
+        ...
+
 
 class SingleTurn:
     """One turn at a time, which nobody can interrupt.
@@ -51,14 +65,14 @@ class SingleTurn:
     if it has none) or `max_hold` has passed since the turn began.
     """
 
-    __slots__ = ("_default", "_ends", "_latest_end", "_max_hold", "_owner", "_renewable")
+    __slots__ = ("_began", "_default", "_ends", "_max_hold", "_owner", "_renewable", "_renewed")
 
     def __init__(self, settings: PolicySettings, *, renewable: bool) -> None:
         self._default = settings.release_after if renewable else settings.max_hold
         self._max_hold = settings.max_hold
         self._renewable = renewable
         self._owner: Flow | None = None
-        self._ends = self._latest_end = 0
+        self._began = self._renewed = self._ends = 0
 
     @property
     def owner(self) -> Flow | None:
@@ -79,10 +93,10 @@ class SingleTurn:
     def take(self, flow: Flow, now: int) -> None:
         """Give the turn to `flow`, or renew it."""
         if flow is not self._owner:
-            self._owner = flow
-            self._latest_end = now + self._max_hold
+            self._owner, self._began = flow, now
         timeout = self._default if flow.timeout is None else flow.timeout
-        self._ends = min(now + timeout, self._latest_end)
+        self._renewed = now
+        self._ends = min(now + timeout, self._began + self._max_hold)
 
     def lapse(self, now: int) -> None:
         """End the turn if its flow fell silent or is overdue."""
@@ -96,3 +110,18 @@ class SingleTurn:
     def ends(self) -> int | None:
         """Return when the turn lapses."""
         return None if self._owner is None else self._ends
+
+    def in_turn(self) -> InTurn | None:
+        """Return whose turn it is, and since when."""
+        owner = self._owner
+        return InTurn(owner.name, self._began, self._renewed) if owner else None
+
+    def spoke(self, now: int) -> Mapping[str, int]:  # noqa: ARG002
+        """Return when the owner spoke last; nobody else has gone."""
+        return {self._owner.name: self._renewed} if self._owner else {}
+
+    def resume(self, owner: Flow | None, carried: Carried) -> None:
+        """Go on with the owner's turn, which began when it did, as long as it may last here."""
+        if owner and carried.turn:
+            self.take(owner, carried.turn.began)
+            self.take(owner, carried.turn.renewed)

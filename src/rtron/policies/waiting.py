@@ -1,7 +1,7 @@
 """The messages that wait: the next one first, and the oldest one first."""
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from itertools import count
@@ -80,6 +80,18 @@ class Waiting:
     def oldest(self) -> Held | None:
         """Return the message that arrived first."""
         return next(iter(self._by_age), None)
+
+    def all(self) -> tuple[Held, ...]:
+        """Return every message that waits, in the order in which the places were taken."""
+        placed = sorted(self._heap, key=lambda entry: entry[1])
+        return tuple(held for _, _, held in placed if held in self._by_age)
+
+    def take_over(self, others: Iterable[Held]) -> None:
+        """Hold messages that waited elsewhere, in the order of their places; none waits yet."""
+        for held in others:
+            self.add(held.flow, held.message, held.arrived)
+        by_age = sorted(self._by_age, key=lambda held: held.arrived)
+        self._by_age = OrderedDict.fromkeys(by_age)
 
     def remove(self, held: Held) -> None:
         """Let a message leave."""

@@ -57,11 +57,15 @@ def read_graph(path: Path) -> InteractionGraph:
 
     Nodes and topics that only the endpoints, services or actions name are added.
     """
-    data = read_bounded(path, MAX_BYTES).removeprefix(BOM_UTF8)
+    return parse_graph(read_bounded(path, MAX_BYTES), str(path))
+
+
+def parse_graph(data: bytes, path: str) -> InteractionGraph:
+    """Read a graph from the bytes of its JSON; `path` is what the errors call it."""
     try:
-        return _graph(_DOCUMENT.validate_json(data))
+        return _graph(_DOCUMENT.validate_json(data.removeprefix(BOM_UTF8)))
     except ValidationError as error:
-        raise fault_in(error, str(path)) from None
+        raise fault_in(error, path) from None
 
 
 def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:

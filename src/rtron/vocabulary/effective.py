@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import fields, replace
+from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, Flow, GuardedTopic, Plan, Rule
@@ -31,7 +32,7 @@ def fitting(plan: Plan, settings: Settings) -> tuple[Settings, tuple[str, ...]]:
     """Return the settings without what the plan does not have, and what was left out."""
     misfits = {id: _misfit(plan, Settings(nodes={id: settings.nodes[id]})) for id in settings.nodes}
     nodes = {id: node for id, node in settings.nodes.items() if not misfits[id]}
-    known = coordination_ids(plan)
+    known = {node.id for node in (plan.rsrcn, plan.msrcn) if node}
     overrides = {id: each for id, each in settings.overrides.items() if id in known}
     lost = [*filter(None, misfits.values())]
     lost += [f"{id} has an override" for id in settings.overrides if id not in known]
@@ -131,4 +132,9 @@ def _own_rule(node: MSRCN, name: str, settings: RuleSettings) -> Iterator[Rule]:
 
 def _refuse(left: Iterable[str], what: str, known: Iterable[str]) -> None:
     for name in left:
-        raise MisfitError(f"no {what} is called {name}: choose from {', '.join(sorted(known))}")
+        raise MisfitError(f"no {what} is called {name}: {_near(name, sorted(known))}")
+
+
+def _near(name: str, known: list[str]) -> str:
+    near = get_close_matches(name, known, n=1)
+    return f"did you mean {near[0]}?" if near else f"choose from {', '.join(known)}"

@@ -41,7 +41,11 @@ class GuardEvent:
     """One thing that happened in a guard; (`run`, `number`) names it for ever.
 
     `run` is one life of one guard, `number` counts its events from 1. `node` is the coordination
-    node. `values` has what only some kinds have, as JSON: of `counts` the streams' figures.
+    node. `values` has, as JSON, what only some kinds have. Of `counts`, told for each second in
+    which there was something: `{"streams": {topic: {"flows": {flow: [passed, held, dropped,
+    modified]}, "speed": m/s or null, "limit": m/s or null, "latency": [mean, worst] in us or
+    null}}, "fps": {fps_monitor: rate}}`. Of `alarm` and `settled` the alarm itself; of `lost`
+    `{"events": n}`, the number of those that were dropped.
     """
 
     run: str

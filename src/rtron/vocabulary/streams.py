@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from rtron.vocabulary.enums import CoordinationKind, Mode, StreamKind
 from rtron.vocabulary.names import names_node
@@ -106,17 +107,39 @@ def _append(stream: Stream, part: _Part) -> Stream:
     settings = replace(
         part.stage.settings,
         flows=tuple(_own(flow, flows) for flow in stream.flows),
-        rules=tuple(_stage_rule(rule, stream, flows) for rule in part.rules),
+        rules=tuple(_stage_rules(part.rules, stream, flows)),
     )
     blocked = tuple(flow.publisher for flow in flows if flow.block)
     stages = (*stream.stages, replace(part.stage, settings=settings))
+    if not blocked:
+        return replace(stream, stages=stages)
     return replace(stream, stages=tuple(_with_blocks(each, blocked) for each in stages))
 
 
 def _own(flow: Flow, guarded: Sequence[Flow]) -> Flow:
     """Return the stream's flow with the priority that the stage gives it."""
     priorities = (other.priority for other in guarded if _alike(flow, other))
-    return replace(flow, block=False, priority=max(priorities, default=0))
+    priority = max(priorities, default=0)
+    if priority == flow.priority and not flow.block:
+        return flow
+    return replace(flow, block=False, priority=priority)
+
+
+def _stage_rules(
+    rules: Sequence[Rule], stream: Stream, guarded: Sequence[Flow]
+) -> Iterator[StageRule]:
+    names = {stream.topic, *(flow.name for flow in guarded)}
+    for rule in rules:
+        if rule.require in names or not names.isdisjoint(rule.block):
+            yield _stage_rule(rule, stream, guarded)
+        else:
+            yield _elsewhere(rule.name)
+
+
+@lru_cache(1000)
+def _elsewhere(name: str) -> StageRule:
+    """Return a rule that is not about the stream; all streams share it."""
+    return StageRule(name=name)
 
 
 def _stage_rule(rule: Rule, stream: Stream, guarded: Sequence[Flow]) -> StageRule:

@@ -5,6 +5,7 @@
 What comes from the other side is checked whole: WireError for everything that is not a message.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -87,6 +88,7 @@ ToGuard: TypeAlias = Annotated[Stored | NewSettings, Field(discriminator="type")
 
 _FROM_GUARD: TypeAdapter[Any] = TypeAdapter(FromGuard)
 _TO_GUARD: TypeAdapter[Any] = TypeAdapter(ToGuard)
+_EVENT: TypeAdapter[GuardEvent] = TypeAdapter(GuardEvent)
 
 
 def from_guard(data: bytes | str) -> Hello | Events | State | Applied:
@@ -107,6 +109,16 @@ def guard_bytes(message: Hello | Events | State | Applied) -> bytes:
 def service_bytes(message: Stored | NewSettings) -> bytes:
     """Write what is said to a guard, on one line without its end."""
     return _TO_GUARD.dump_json(message)
+
+
+def event_bytes(event: GuardEvent) -> bytes:
+    """Write one event."""
+    return _EVENT.dump_json(event)
+
+
+def events_bytes(written: Iterable[bytes]) -> bytes:
+    """Write the message `Events` of events that are written already."""
+    return b'{"type":"events","events":[' + b",".join(written) + b"]}"
 
 
 def _read(adapter: TypeAdapter[Any], data: bytes | str) -> Any:  # noqa: ANN401 - as the adapter says

@@ -62,7 +62,7 @@ class GuardedAction(GuardedStream):
         *,
         dry_run: bool = False,
     ) -> None:
-        super().__init__(_roomy(stream), transport, senses, will, dry_run=dry_run)
+        super().__init__(stream, transport, senses, will, dry_run=dry_run)
         self.goals = Goals()
         self.server = Server()
         self.began: list[Callable[[], None]] = []
@@ -77,7 +77,7 @@ class GuardedAction(GuardedStream):
         self._bequest = Bequest(self.name, self.goals, will, transport)
         self._most_waiting = stream.queue_size
         self._named = 0
-        self._absent = self._expecting = False
+        self._absent = self._expecting = self._heard = False
         self._halting = ""
         self._seldom = Seldom()
 
@@ -86,14 +86,21 @@ class GuardedAction(GuardedStream):
         super().open()
         self._parts.open()
         self._take_over()
+        self.attend(self._transport.now())
 
     def attend(self, now: int) -> None:
         """Cancel what may not go on, and stop what it moves."""
         super().attend(now)
         for goal in () if self.dry_run else self.goals:
-            if goal.where is Where.SENT and not goal.stopped and goal.flow in self.pipeline.tallies:
-                self._stop(goal, self.pipeline.refusal(goal.flow, now, goal.message or None))
+            if goal.where is Where.SENT and not goal.stopped:
+                self._stop(goal, self._why_stopped(goal, now))
         self._halt()
+
+    def _why_stopped(self, goal: Goal, now: int) -> str:
+        """Return why a goal may not go on; one of the server's own unless all is stopped."""
+        if goal.flow not in self.pipeline.tallies:
+            return self.braked
+        return self.pipeline.refusal(goal.flow, now, goal.message or None)
 
     def expect(self) -> None:
         """Let goals wait for one that the server is about to give itself."""
@@ -137,6 +144,10 @@ class GuardedAction(GuardedStream):
             "goals": f"{waiting} waiting, {len(self.goals) - waiting} with the server",
             "server": self.server.node if self._serves() else "not there",
         }
+
+    def _complete(self, stream: Stream) -> Stream:
+        """Let the queue have room for every flow's share, which is bounded before it."""
+        return _roomy(super()._complete(stream))
 
     def _keeps(self, peer: Peer) -> bool:  # noqa: ARG002
         """Keep no goal for late subscribers: what a server missed it must not do later."""
@@ -281,6 +292,7 @@ class GuardedAction(GuardedStream):
             log.warning("%s: the server %s is gone", self.name, peer.node)
             now = self._transport.now()
             self.server.leave()
+            self._heard = False
             self._parts.forget()
             self._absent, self._current, self._expecting = True, None, False
             self.pipeline.occupy(SERVER, now)
@@ -300,8 +312,16 @@ class GuardedAction(GuardedStream):
                 self._end(goal, now)
             self._turn_over(goal)
         self._look_for_lost()
+        self._repeat_cancels()
         self._welcome()
         self._desk.tell()
+
+    def _repeat_cancels(self) -> None:
+        """Say once more what a server could not hear that has been found only now."""
+        heard, self._heard = self._heard, self._hears()
+        for goal in self.goals if self._heard and not heard else ():
+            if goal.stopped:
+                self._cancel_at_server(goal.id)
 
     def _welcome(self) -> None:
         """Let goals go again that waited for a server which is back, if it has none of its own."""
@@ -324,6 +344,8 @@ class GuardedAction(GuardedStream):
         self._bequest.keep()
         for appeared in self.appeared:
             appeared(goal.id)
+        if self.braked:
+            self.attend(now)
 
     def _result(self, message: bytes) -> None:
         now = self._transport.now()
@@ -411,7 +433,6 @@ class GuardedAction(GuardedStream):
 
 
 def _roomy(stream: Stream) -> Stream:
-    """Let the queue have room for every flow's share, which is bounded before it."""
     first, *others = stream.stages
     size = stream.queue_size * (len(stream.flows) + 1)
     first = replace(first, settings=replace(first.settings, queue_size=size))

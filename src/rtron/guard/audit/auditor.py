@@ -57,7 +57,8 @@ class Auditor:
         self._looks = 0
         self._told: dict[str, str] = {}
         self._named = frozenset(n for n in self._expected.listeners() if "*" not in n)
-        response = self._response = Response(host, plan.audit.on_foreign, dry_run=dry_run)
+        on_foreign = plan.audit.on_foreign
+        response = self._response = Response(host, transport, on_foreign, dry_run=dry_run)
         self._rounds = Rounds(loop, plan.audit.period)
         self._nodes = GuardedNodes(loop, master, self._expected, self._rounds)
         claimed: dict[str, str] = {}
@@ -107,6 +108,7 @@ class Auditor:
         self._nodes.watch([name])
         if name in self._nodes.by_name:
             self._nodes.find(self._nodes.by_name[name])
+        self._response.listened(planned.guarded)
 
     def _find_master(self) -> None:
         self._readers.submit(partial(place_at, self._master), self._found_master)

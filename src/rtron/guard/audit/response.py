@@ -1,13 +1,14 @@
 """What follows from what the audit finds: alarms, and the brakes where the plan says so."""
 
 from collections import defaultdict
+from collections.abc import Iterator
 
+from rtron.guard.audit.brake import Brake
 from rtron.guard.host import Host
+from rtron.guard.transport.transport import Transport
 from rtron.guard.types import standard_info
 from rtron.messages.encoding import Encoding
 from rtron.vocabulary import Alarm, Mode, OnForeign
-
-_BY = "the audit"
 
 
 class Response:
@@ -16,10 +17,14 @@ class Response:
     In a dry run, and where the plan says `on_foreign: alarm`, nothing is braked.
     """
 
-    def __init__(self, host: Host, on_foreign: OnForeign, *, dry_run: bool) -> None:
+    def __init__(
+        self, host: Host, transport: Transport, on_foreign: OnForeign, *, dry_run: bool
+    ) -> None:
         self.stops = on_foreign is OnForeign.STOP and not dry_run
         self._host = host
         self._braking: dict[str, set[Alarm]] = defaultdict(set)
+        enforced = [each for each in host.guarded if each.stream.mode is Mode.ENFORCE]
+        self._brakes = [(each.stream.topic, Brake(each, transport)) for each in enforced]
 
     def prepare(self, encoding: Encoding) -> None:
         """Read the definitions that a brake needs: the first of them takes a third of a second."""
@@ -32,8 +37,8 @@ class Response:
         for topic in guarded if self.stops else ():
             first = not self._braking[topic]
             self._braking[topic].add(alarm)
-            if first:
-                self._brake(topic, alarm.reason)
+            for brake in self._of(topic) if first else ():
+                brake.hold(alarm.reason)
 
     def settle(self, alarm: Alarm) -> None:
         """Take an alarm back, and release what only it has braked."""
@@ -41,15 +46,13 @@ class Response:
         for topic, alarms in self._braking.items():
             if alarm in alarms:
                 alarms.remove(alarm)
-                if not alarms:
-                    self._release(topic)
+                for brake in () if alarms else self._of(topic):
+                    brake.let_go()
 
-    def _brake(self, topic: str, why: str) -> None:
-        for guarded in self._host.guarded:
-            if guarded.stream.topic == topic and guarded.stream.mode is Mode.ENFORCE:
-                guarded.brake(_BY, why)
+    def listened(self, topic: str) -> None:
+        """Take note that a node has begun to hear what the guard lets go of a stream."""
+        for brake in self._of(topic):
+            brake.listened()
 
-    def _release(self, topic: str) -> None:
-        for guarded in self._host.guarded:
-            if guarded.stream.topic == topic and guarded.stream.mode is Mode.ENFORCE:
-                guarded.release(_BY)
+    def _of(self, topic: str) -> Iterator[Brake]:
+        return (brake for name, brake in self._brakes if name == topic)

@@ -15,6 +15,7 @@ _CODE = (
 GUARD = "guarding"
 SUPERVISOR = "supervising"
 STAND_IN = "standing_in"
+LINK = "linking"
 
 
 def command(role: str, descriptors: Sequence[int]) -> list[str]:

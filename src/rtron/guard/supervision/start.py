@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from rtron.errors import SourceError
+from rtron.guard.link.options import LinkOptions
 from rtron.guard.supervision.order import Order
 from rtron.guard.supervision.programs import SUPERVISOR, command
 from rtron.vocabulary import Plan, Run
@@ -20,6 +21,7 @@ def supervise(
     dry_run: bool = False,
     control: Path | None = None,
     figures: Callable[[Run], None] | None = None,
+    link: LinkOptions | None = None,
 ) -> NoReturn:
     """Become the supervisor of a guard that is told what `run_guard` is.
 
@@ -28,7 +30,7 @@ def supervise(
     """
     if plan.ros != 1:
         raise SourceError("this guard speaks ROS 1 only", help="the plan says `ros: 2`")
-    options = {"dry_run": dry_run, "control": control, "figures": figures}
+    options = {"dry_run": dry_run, "control": control, "figures": figures, "link": link}
     order = Order(plan=plan, master=master, log_level=log_level, options=options).write()
     os.set_inheritable(order, True)  # noqa: FBT003 - positional only
     sys.stdout.flush()

@@ -12,6 +12,7 @@ from rtron.guard.fence.place import private_master
 from rtron.guard.seldom import Seldom
 from rtron.guard.supervision.adoption import LEAVE
 from rtron.guard.supervision.brakes import Brakes
+from rtron.guard.supervision.companion import Companion
 from rtron.guard.supervision.keeper import STARVED, Act, Keeper, Phase, Sign
 from rtron.guard.supervision.names import is_running
 from rtron.guard.supervision.order import Order, stopped_streams
@@ -55,6 +56,7 @@ class Supervisor:
         self._brakes = Brakes(streams, self._transport, page)
         self._watchdog = Watchdog(loop.now())
         self._keeper = Keeper(loop.now(), adopted=self._ward is not None)
+        self._companion = Companion(order_file) if order.options.get("link") else None
         self._spare: Ward | None = None
         self._spare_due = 0
         self._why = self._news = ""
@@ -75,6 +77,8 @@ class Supervisor:
         self._loop.run()
         if self._spare:
             self._spare.dismiss()
+        if self._companion:
+            self._companion.dismiss()
         self._transport.close()
         self._loop.close()
         return self._keeper.code
@@ -97,6 +101,8 @@ class Supervisor:
         self._do(self._keeper.look(now, Sign(silent, serving, leaving)), now)
         self._bury(now)
         self._prepare(now)
+        if self._companion and not self._leaving:
+            self._companion.look(now)
 
     def _owner(self) -> int:
         """Return who has started this, or the first supervisor if a guard has started this."""

@@ -31,6 +31,12 @@ VELOCITIES = (
 )
 
 
+def included(policy: PolicyName) -> tuple[PolicyName, ...]:
+    """Return what a policy of the RSRCN includes: itself, and the parts of Safe+Constrain."""
+    parts = (PolicyName.SAFE, PolicyName.CONSTRAIN)
+    return (policy, *parts) if policy is PolicyName.SAFE_CONSTRAIN else (policy,)
+
+
 def rsrcn_misfits(plan: Plan) -> Iterator[Misfit]:
     """Yield everything in which the RSRCN and the fps_monitors contradict themselves."""
     for monitor in plan.fps_monitor:
@@ -39,6 +45,7 @@ def rsrcn_misfits(plan: Plan) -> Iterator[Misfit]:
     if rsrcn is None:
         return
     yield from policy_misfit(rsrcn, "the RSRCN", rsrcn.policy, POLICIES)
+    yield from _mandatory(rsrcn)
     yield from guarded_misfits(rsrcn.vflows, rsrcn.iflows)
     yield from _parameters(rsrcn, plan)
     yield from _monitored(rsrcn, plan)
@@ -69,6 +76,18 @@ def _parameters(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:
         yield rsrcn, "policy", f"{policy} needs an fps_monitor: whose frames count?"
     if policy in BY_LIMIT and rsrcn.max_vel_limit is None:
         yield rsrcn, "policy", f"{policy} needs a max_vel_limit, like 0.22 m/s"
+
+
+def _mandatory(rsrcn: RSRCN) -> Iterator[Misfit]:
+    policy = rsrcn.mandatory
+    if policy is None:
+        return
+    if policy not in POLICIES:
+        known = ", ".join(POLICIES)
+        yield rsrcn, "mandatory", f"{policy} is not for the RSRCN: choose from {known}"
+    elif policy not in included(rsrcn.policy):
+        why = f"the policy is {rsrcn.policy}, which does not include it"
+        yield rsrcn, "mandatory", f"{policy} cannot be mandatory: {why}"
 
 
 def _monitored(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:

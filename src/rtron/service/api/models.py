@@ -3,7 +3,7 @@
 Durations that people give are seconds. Unknown keys of a request are refused.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
@@ -75,7 +75,7 @@ class Request(BaseModel):
 class Login(Request):
     """A name and a password."""
 
-    name: str = Field(max_length=100)
+    name: Annotated[str, StringConstraints(strip_whitespace=True, max_length=100)]
     password: str = Field(max_length=200)
 
 
@@ -146,10 +146,12 @@ class SettingsView(BaseModel):
 class SettingsChange(Request):
     """A change of settings: `nodes` are merged into those of `revision`, the newest one.
 
-    In each node what is given replaces what was set; null takes it back to what the plan says.
+    In each node what is given replaces what was set; null takes it back to what the plan says. The
+    keys are those of NodeSettings. A duration is a whole number of ns, or a text with a unit as in
+    the plan ("0.5 s"); a velocity, or a threshold, a number in SI units or such a text.
     """
 
-    revision: int
+    revision: int = Field(ge=0, le=(1 << 53) - 1)
     nodes: dict[str, dict[str, Any]]
     reason: Reason = ""
 
@@ -248,7 +250,7 @@ class PasswordChange(Request):
 class NewToken(Request):
     """A token to create; `robot` is required by, and only for, the scope `guard`."""
 
-    name: Name
+    name: Annotated[Name, StringConstraints(max_length=80)]
     scopes: list[Scope] = Field(min_length=1, max_length=6)
     robot: Name | None = None
     days: int | None = Field(default=None, ge=1, le=3650)
@@ -296,8 +298,20 @@ class CreatedWebhook(WebhookView):
     secret: str
 
 
+class Health(BaseModel):
+    """The service is well."""
+
+    status: Literal["ok"] = "ok"
+
+
 class Problem(BaseModel):
     """An error: what is wrong, and what to do about it."""
 
     error: str
     help: str = ""
+
+
+class Overtaken(Problem):
+    """A change that was for older settings than the newest ones."""
+
+    newest: SettingsView

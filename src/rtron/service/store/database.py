@@ -13,18 +13,25 @@ from rtron.errors import InputError
 from rtron.service.store.migrate import migrate
 
 _BUSY_S = 30
+_ANSWER_S = 60
 
 
 class Database:
     """Sessions on one database, whose schema is brought up to date when it is opened.
 
-    `where` is a file, or a URL like `postgresql://user@host/name`; InputError if it is neither.
+    `where` is a file, or a URL like `postgresql://user@host/name`; InputError if it is neither,
+    SourceError if the server does not answer. What a session has committed outlives a kill of the
+    process; with SQLite a power cut may cost the last commits, never the file.
     """
 
     def __init__(self, where: str | Path) -> None:
         self.url = _url(where)
         self.engine = _engine(self.url)
-        migrate(self.engine)
+        try:
+            migrate(self.engine)
+        except BaseException:
+            self.close()
+            raise
 
     @property
     def is_sqlite(self) -> bool:
@@ -47,19 +54,20 @@ def _url(where: str | Path) -> URL:
         return URL.create("sqlite", database=str(where))
     try:
         url = make_url(where)
-    except ArgumentError as error:
-        raise InputError(
-            f"{where}: {error}", help="for example postgresql://me@host/rtron"
-        ) from None
+    except (ArgumentError, ValueError):  # neither says where the password was, nor do we
+        help = "for example postgresql://me@host/rtron"
+        raise InputError("the URL of the database cannot be read", help=help) from None
     if url.get_backend_name() not in ("sqlite", "postgresql"):
         raise InputError(f"{url.get_backend_name()} is not supported", help="SQLite or PostgreSQL")
     return url.set(drivername="postgresql+pg8000") if url.drivername == "postgresql" else url
 
 
 def _engine(url: URL) -> Engine:
+    quiet = {"hide_parameters": True}  # an error must not tell what was to be stored
     if url.get_backend_name() != "sqlite":
-        return create_engine(url, pool_pre_ping=True)
-    engine = create_engine(url, connect_args={"timeout": _BUSY_S})
+        timeout = {"timeout": _ANSWER_S}
+        return create_engine(url, pool_pre_ping=True, connect_args=timeout, **quiet)
+    engine = create_engine(url, connect_args={"timeout": _BUSY_S}, **quiet)
     event.listen(engine, "connect", _prepare)
     return engine
 

@@ -1,10 +1,86 @@
-"""Bringing a database to the schema of this version (Alembic)."""
+"""Bringing a database to the schema of this version (Alembic), in one transaction."""
 
-from sqlalchemy import Engine
+from pathlib import Path
 
+from alembic.config import Config
+from alembic.runtime.environment import EnvironmentContext
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import Connection, Engine, inspect
+from sqlalchemy.exc import DBAPIError
+
+from rtron.errors import InputError, SourceError
 from rtron.service.store.tables import Table
+
+_SCRIPTS = Path(__file__).with_name("migrations")
+_LOCK = 0x7274726F6E
+"""Of PostgreSQL's advisory locks, ours: two services that start at once migrate in turn."""
 
 
 def migrate(engine: Engine) -> None:
-    """Bring the schema up to date."""
-    Table.metadata.create_all(engine)
+    """Bring the schema up to date; a crash leaves it as it was.
+
+    InputError for what is no database of RTron's or one of a newer RTron, SourceError when the
+    server does not answer.
+    """
+    name = _name(engine)
+    try:
+        with engine.connect() as connection, connection.begin():
+            _begin(connection)
+            _check(connection, name)
+            _upgrade(connection)
+    except DBAPIError as error:
+        raise _unusable(engine, name, error) from None
+
+
+def head() -> str:
+    """Return the newest revision of the schema."""
+    return _scripts().get_current_head() or ""
+
+
+def _scripts() -> ScriptDirectory:
+    return ScriptDirectory(_SCRIPTS)
+
+
+def _begin(connection: Connection) -> None:
+    """Lock: Python's sqlite3 would run each statement that makes a table by itself."""
+    if connection.dialect.name == "sqlite":
+        connection.exec_driver_sql("BEGIN IMMEDIATE")
+    else:
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_LOCK})")
+
+
+def _check(connection: Connection, name: str) -> None:
+    found = MigrationContext.configure(connection).get_current_heads()
+    known = {script.revision for script in _scripts().walk_revisions()}
+    if unknown := set(found) - known:
+        help = "start the newest RTron that has used it, or give another --database"
+        message = f"its schema {', '.join(sorted(unknown))} is newer than this RTron's {head()}"
+        raise InputError(message, path=name, help=help)
+    foreign = Table.metadata.tables.keys() & set(inspect(connection).get_table_names())
+    if foreign and not found:
+        message = f"it has tables of another program: {', '.join(sorted(foreign))}"
+        raise InputError(message, path=name, help="give another --database")
+
+
+def _upgrade(connection: Connection) -> None:
+    scripts = _scripts()
+    with EnvironmentContext(
+        Config(),
+        scripts,
+        fn=lambda revision, _: scripts._upgrade_revs("head", revision),  # noqa: SLF001 - its commands' way
+    ) as context:
+        context.configure(connection=connection, transactional_ddl=True)
+        context.run_migrations()
+
+
+def _name(engine: Engine) -> str:
+    if engine.dialect.name == "sqlite":
+        return str(engine.url.database)
+    return engine.url.render_as_string(hide_password=True)
+
+
+def _unusable(engine: Engine, name: str, error: DBAPIError) -> InputError | SourceError:
+    if engine.dialect.name == "sqlite":
+        return InputError(str(error.orig), path=name, help="give a file of RTron's, or a new one")
+    return SourceError(f"{name}: {error.orig}", help="is the server there, and may we log in?")

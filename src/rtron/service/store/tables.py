@@ -5,11 +5,25 @@ The schema in a database is made by the migrations beside this file, never by th
 
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, ForeignKey, Index, Integer, String, UniqueConstraint
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    ForeignKey,
+    Index,
+    Integer,
+    String,
+    UniqueConstraint,
+    text,
+)
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 # SQLite counts up by itself only in a column of type INTEGER.
 _Long = BigInteger().with_variant(Integer, "sqlite")
+
+
+def _partly(name: str, *columns: str, where: str) -> Index:
+    condition = text(where)
+    return Index(name, *columns, sqlite_where=condition, postgresql_where=condition)
 
 
 class Table(DeclarativeBase):
@@ -90,13 +104,20 @@ class CoordinationNodeRow(Table):
 
 
 class EventRow(Table):
-    """An event of a guard; (`robot_id`, `run`, `number`) is stored once."""
+    """An event of a guard; (`robot_id`, `run`, `number`) is stored once.
+
+    `id` counts up in the order of storing and is never used again. `stored` is the service's
+    clock, `at` the robot's. What is seldom has an index of its own.
+    """
 
     __tablename__ = "events"
     __table_args__ = (
         UniqueConstraint("robot_id", "run", "number"),
-        Index("events_by_time", "robot_id", "at"),
-        Index("events_by_kind", "robot_id", "kind", "at"),
+        Index("events_by_robot", "robot_id", "id", "at"),
+        Index("events_by_kind", "robot_id", "kind", "id"),
+        _partly("events_of_note", "robot_id", "id", where="level <> 'info'"),
+        _partly("events_counts", "robot_id", "at", where="kind = 'counts'"),
+        {"sqlite_autoincrement": True},
     )
 
     id: Mapped[int] = mapped_column(_Long, primary_key=True)
@@ -104,6 +125,7 @@ class EventRow(Table):
     run: Mapped[str] = mapped_column(String(40))
     number: Mapped[int]
     at: Mapped[int]
+    stored: Mapped[int]
     kind: Mapped[str] = mapped_column(String(20))
     level: Mapped[str] = mapped_column(String(10))
     node: Mapped[str] = mapped_column(String(200))

@@ -1,0 +1,50 @@
+"""`python -m bench.ingesting FOLDER ROBOTS`: the security service on SQLite, and guards' tokens.
+
+Prints a line of JSON, `{"port", "tokens": {robot: token}}`, and serves until it is told to end.
+"""
+
+import json
+import socket
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from rtron.service.api.models import Scope
+from rtron.service.app import create_app
+from rtron.service.config import Config
+from rtron.service.serve import serve
+from rtron.service.store.accounts.tokens import TokenWish, create_token
+from rtron.service.store.database import Database
+
+FILE = "rtron.db"
+
+
+def main() -> None:
+    """Serve."""
+    folder, robots = Path(sys.argv[1]), int(sys.argv[2])
+    database = Database(folder / FILE)
+    tokens = dict(_tokens(database, robots))
+    database.close()
+    config = Config(database=folder / FILE, port=_free_port())
+    app = create_app(config)
+    print(json.dumps({"port": config.port, "tokens": tokens}), flush=True)
+    serve(app, config)
+
+
+def _tokens(database: Database, robots: int) -> Iterator[tuple[str, str]]:
+    for robot in (f"robot{index}" for index in range(robots)):
+        wish = TokenWish(name=robot, scopes=[Scope.GUARD], robot=robot)
+        with database.session() as session:
+            yield robot, create_token(session, time.time_ns(), "bench", wish)[1]
+
+
+def _free_port() -> int:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port: int = free.getsockname()[1]
+        return port
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+"""A publisher that is too fast with every second message: each one is an event of the guard.
+
+`python -m bench.noise TOPIC RATE` publishes until it is ended.
+"""
+
+import os
+import struct
+import sys
+import time
+
+from bench.messages import MESSAGES
+from bench.publishers import Publishers
+
+NODE = "/noise"
+_SPEEDS = (0.1, 1.0)
+
+
+def main() -> None:
+    """Publish."""
+    topic, rate = sys.argv[1], float(sys.argv[2])
+    publishers = Publishers(os.environ["ROS_MASTER_URI"], MESSAGES["twist"], {topic: NODE})
+    frames = [struct.pack("<I6d", 48, speed, 0, 0, 0, 0, 0) for speed in _SPEEDS]
+    due = time.monotonic()
+    while True:
+        for frame in frames:
+            publishers.send(topic, frame)
+            due += 1 / rate
+            time.sleep(max(0.0, due - time.monotonic()))
+
+
+if __name__ == "__main__":
+    main()

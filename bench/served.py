@@ -1,0 +1,143 @@
+"""The security service as its user runs it: a process, its database, tokens and requests."""
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+from urllib.error import HTTPError, URLError
+from urllib.request import Request, urlopen
+
+from typing_extensions import Self
+
+_START_S = 60.0
+_CALL_S = 30.0
+_PAUSE_S = 0.02
+
+
+class Served:
+    """`rtron serve` on a port of its own; it can be killed and started again on the same data."""
+
+    def __init__(self, folder: Path, database: str | Path = "", *more: str) -> None:
+        self.folder = folder
+        self.database = str(database or folder / "service.sqlite")
+        self.port = _free_port()
+        self.password = ""
+        self._more = more
+        self._process: subprocess.Popen[bytes] | None = None
+        self._starts = 0
+        self._token = ""
+
+    def __enter__(self) -> Self:
+        self.start()
+        self._token = self.token("measuring", "read", "developer", "end_user", "admin").read_text()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    @property
+    def url(self) -> str:
+        """The address of the service."""
+        return f"http://127.0.0.1:{self.port}"
+
+    @property
+    def pid(self) -> int:
+        """The process."""
+        return self._process.pid if self._process else 0
+
+    def start(self) -> None:
+        """Start it, and wait until it is ready."""
+        self._starts += 1
+        log = self.folder / f"serve{self._starts}.log"
+        words = ["serve", "--database", self.database, "--port", str(self.port)]
+        with log.open("wb") as output:
+            self._process = subprocess.Popen(
+                _rtron(*words, *self._more), stdout=output, stderr=subprocess.STDOUT
+            )
+        _wait(lambda: self._is_ready(log), f"the service: {log}")
+        found = re.search(r"password (\S+)", log.read_text())
+        self.password = found[1] if found else self.password
+
+    def stop(self, number: signal.Signals = signal.SIGTERM) -> None:
+        """End it; SIGKILL ends it without a word."""
+        if self._process:
+            self._process.send_signal(number)
+            try:
+                self._process.wait(10)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+
+    def token(self, name: str, *scopes: str, robot: str = "") -> Path:
+        """Make a token and return the file that it stands in."""
+        path = self.folder / f"{name}.token"
+        words = [word for scope in scopes for word in ("--scope", scope)]
+        words += ["--robot", robot] if robot else []
+        words += ["--token-file", str(path), "--database", self.database]
+        subprocess.run(_rtron("token", "create", name, *words), check=True, capture_output=True)
+        return path
+
+    def ask(self, path: str, method: str = "GET", body: object = None, token: str = "") -> Any:  # noqa: ANN401
+        """Return what the API answers, as JSON; HTTPError if it is no."""
+        request = Request(f"{self.url}{path}", method=method)
+        request.add_header("Authorization", f"Bearer {(token or self._token).strip()}")
+        if body is not None:
+            request.data = json.dumps(body).encode()
+            request.add_header("Content-Type", "application/json")
+        with urlopen(request, timeout=_CALL_S) as answer:
+            text = answer.read()
+        return json.loads(text) if text else None
+
+    def change(self, robot: str, nodes: object, reason: str = "a test") -> Any:  # noqa: ANN401
+        """Change settings on top of the newest; return the new ones."""
+        newest = self.ask(f"/api/v1/robots/{robot}/settings")["revision"]
+        body = {"revision": newest, "nodes": nodes, "reason": reason}
+        return self.ask(f"/api/v1/robots/{robot}/settings", "PATCH", body)
+
+    def state(self, robot: str) -> Any:  # noqa: ANN401
+        """Return what is so now on a robot; None while nobody knows."""
+        try:
+            found = self.ask(f"/api/v1/robots/{robot}")
+        except HTTPError as error:
+            error.close()
+            return None
+        return found
+
+    def _is_ready(self, log: Path) -> bool:
+        if self._process and self._process.poll() is not None:
+            raise RuntimeError(log.read_text())
+        try:
+            with urlopen(f"{self.url}/readyz", timeout=_CALL_S):
+                return True
+        except (URLError, OSError):
+            return False
+
+
+def _rtron(*words: str) -> list[str]:
+    return [sys.executable, "-m", "rtron", *words]
+
+
+def _wait(condition: Any, what: str) -> None:  # noqa: ANN401
+    deadline = time.monotonic() + _START_S
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError(what)
+        time.sleep(_PAUSE_S)
+
+
+def _free_port() -> int:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])
+
+
+def environ_of(service: Served, token: Path, robot: str, state: Path) -> dict[str, str]:
+    """Return what a guard's environment says of the service."""
+    named = {"RTRON_SERVICE": service.url, "RTRON_TOKEN_FILE": str(token), "RTRON_ROBOT": robot}
+    return {**os.environ, **named, "XDG_STATE_HOME": str(state)}

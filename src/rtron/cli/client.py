@@ -1,0 +1,220 @@
+"""The security service as commands call it: JSON over HTTP with a token, and nothing installed."""
+
+import json
+import ssl
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from http.client import HTTPException
+from pathlib import Path
+from typing import Annotated, Any
+from urllib.error import HTTPError, URLError
+from urllib.parse import quote, urlencode, urlsplit
+from urllib.request import HTTPRedirectHandler, HTTPSHandler, ProxyHandler, Request, build_opener
+
+import typer
+
+from rtron.errors import InputError, RTronError, SourceError
+
+ServiceOption = Annotated[
+    str,
+    typer.Option(
+        "--service",
+        metavar="URL",
+        envvar="RTRON_SERVICE",
+        help="The security service, as `rtron serve` says it.",
+    ),
+]
+TokenOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--token-file",
+        metavar="FILE",
+        envvar="RTRON_TOKEN_FILE",
+        help="Your token for the service; `rtron token create` makes one.",
+    ),
+]
+RobotOption = Annotated[
+    str,
+    typer.Option(
+        "--robot",
+        metavar="NAME",
+        envvar="RTRON_ROBOT",
+        help="The robot; can be left out if there is only one.",
+    ),
+]
+CaOption = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="The service's own certificate authority, as PEM."),
+]
+DEFAULT_SERVICE = "http://127.0.0.1:8600"
+_API = "/api/v1"
+_PATIENCE_S = 10.0
+_LONGEST = 1 << 26
+_LONGEST_TOKEN = 1000
+_LOOPBACK = ("localhost", "127.0.0.1", "::1")
+_WS = {"http": "ws", "https": "wss"}
+_UNAUTHORIZED, _CONFLICT, _SERVER = 401, 409, 500
+
+
+class OvertakenError(InputError):
+    """Somebody else has changed the same thing meanwhile."""
+
+
+@dataclass(frozen=True)
+class Client:
+    """Calls one service with one token; InputError for what it refuses, SourceError if it is away.
+
+    `ca` is a certificate authority of its own. Redirections and proxies are not followed: they
+    would get the token.
+    """
+
+    service: str
+    token: str
+    ca: Path | None = None
+
+    def get(self, *path: str, **query: object) -> Any:  # noqa: ANN401 - JSON
+        """Return what stands at a path; what is None is left out of the query."""
+        given = {key: value for key, value in query.items() if value is not None}
+        return self._call("GET", path, query=urlencode(given))
+
+    def patch(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
+        """Change what stands at a path."""
+        return self._call("PATCH", path, json.dumps(body).encode())
+
+    def post(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
+        """Make something at a path."""
+        return self._call("POST", path, json.dumps(body).encode())
+
+    def put(self, *path: str, data: bytes) -> Any:  # noqa: ANN401 - JSON
+        """Put JSON at a path."""
+        return self._call("PUT", path, data)
+
+    def delete(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
+        """Take away what stands at a path."""
+        return self._call("DELETE", path, json.dumps(body).encode())
+
+    def robot(self, name: str) -> str:
+        """Return the robot that is meant: `name`, or the only one there is."""
+        if name:
+            return name
+        names = [robot["name"] for robot in self.get("robots")]
+        if len(names) == 1:
+            return str(names[0])
+        help = f"give --robot: {', '.join(names[:20])}" if names else "start a guard with --service"
+        raise InputError("which robot?" if names else "the service knows no robot", help=help)
+
+    @property
+    def live(self) -> str:
+        """The address of what is live."""
+        parts = urlsplit(self.service)
+        return f"{_WS[parts.scheme]}://{parts.netloc}{parts.path.rstrip('/')}{_API}/live"
+
+    @property
+    def headers(self) -> dict[str, str]:
+        """What tells the service who calls."""
+        return {"Authorization": f"Bearer {self.token}"}
+
+    @cached_property
+    def tls(self) -> ssl.SSLContext | None:
+        """How the service's certificate is checked; None where it speaks in clear."""
+        if urlsplit(self.service).scheme != "https":
+            return None
+        try:
+            return ssl.create_default_context(cafile=self.ca)
+        except (OSError, ssl.SSLError) as error:
+            raise InputError(f"{self.ca}: {error}", help="--ca takes a PEM file") from None
+
+    def _call(
+        self, method: str, path: tuple[str, ...], data: bytes | None = None, query: str = ""
+    ) -> Any:  # noqa: ANN401 - JSON
+        url = "/".join([self.service.rstrip("/") + _API, *(quote(part, safe="") for part in path)])
+        request = Request(  # noqa: S310 - http or https, as `client` has checked
+            f"{url}?{query}" if query else url,
+            data=data,
+            method=method,
+            headers={**self.headers, "Content-Type": "application/json"},
+        )
+        try:
+            with self._opener.open(request, timeout=_PATIENCE_S) as answer:
+                return _read(answer.read(_LONGEST + 1))
+        except HTTPError as error:
+            with error:
+                raise _refusal(error) from None
+        except (URLError, HTTPException, OSError) as error:
+            help = "is `rtron serve` running there?"
+            reason = error.reason if isinstance(error, URLError) else error
+            raise SourceError(f"{self.service} does not answer: {reason}", help=help) from None
+
+    @cached_property
+    def _opener(self) -> Any:  # noqa: ANN401 - an OpenerDirector
+        return build_opener(ProxyHandler({}), HTTPSHandler(context=self.tls), _NoRedirects)
+
+
+class _NoRedirects(HTTPRedirectHandler):
+    """Ends a call that is sent elsewhere."""
+
+    def redirect_request(self, *_: object) -> None:
+        return None
+
+
+def client(service: str, token_file: Path | None, ca: Path | None) -> Client:
+    """Return a client as the options say; warns where the token would cross a network in clear."""
+    parts = urlsplit(service)
+    if parts.scheme not in _WS or not parts.hostname:
+        help = "give the address of `rtron serve`, for example https://robots.example:8600"
+        raise InputError(f"{service!r} is no address of a service", help=help)
+    if parts.scheme == "http" and parts.hostname not in _LOOPBACK:
+        sys.stderr.write(
+            f"warning: {parts.hostname} is called without TLS: others can read the token\n"
+        )
+    return Client(service, _token(token_file), ca)
+
+
+def _token(path: Path | None) -> str:
+    help = "make one: rtron token create NAME --scope end_user --token-file FILE"
+    if path is None:
+        raise InputError("no token", help=f"give --token-file; {help}")
+    try:
+        with path.open("rb") as stream:
+            text = stream.read(_LONGEST_TOKEN + 1).decode("ascii").strip()
+    except OSError as error:
+        raise InputError(error.strerror or "cannot be read", path=str(path), help=help) from None
+    except UnicodeDecodeError:
+        text = ""
+    if not text or len(text) > _LONGEST_TOKEN or not text.isprintable() or " " in text:
+        raise InputError("holds no token", path=str(path), help=help)
+    return text
+
+
+def _read(data: bytes) -> Any:  # noqa: ANN401 - JSON
+    if len(data) > _LONGEST:
+        raise SourceError("the service's answer is too long")
+    try:
+        return json.loads(data) if data else None
+    except ValueError:
+        raise SourceError("the service's answer is not JSON", help=_OTHER) from None
+
+
+def _refusal(error: HTTPError) -> RTronError:
+    """Return the error that an answer is: the caller's where the status says so."""
+    said = _problem(error)
+    told, help = str(said.get("error") or f"the service answers {error.code}"), said.get("help")
+    if error.code == _CONFLICT:
+        return OvertakenError(told, help=str(help or "look again, then ask again"))
+    if error.code == _UNAUTHORIZED:
+        return InputError(told, help=str(help or "the token is not known there"))
+    kind = SourceError if error.code >= _SERVER or not said else InputError
+    return kind(told, help=str(help or ("" if said else _OTHER)))
+
+
+def _problem(error: HTTPError) -> Mapping[str, Any]:
+    try:
+        said = json.loads(error.read(_LONGEST))
+    except (ValueError, OSError, HTTPException):
+        return {}
+    return said if isinstance(said, dict) else {}
+
+
+_OTHER = "is this really the address of `rtron serve`?"

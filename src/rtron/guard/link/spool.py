@@ -1,0 +1,141 @@
+"""Events on disk until the service has them: each once, in order, within a bound.
+
+One SQLite file in WAL mode: what `add` has returned from outlives a kill of the process (not a
+power cut, for which a robot would have to wait for its disk with every event).
+"""
+
+import asyncio
+import sqlite3
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from pathlib import Path
+from uuid import uuid4
+
+from rtron.errors import InputError
+from rtron.vocabulary import EventKind, GuardEvent, Level
+
+MOST = 200_000
+"""Events that may wait; above it counts are dropped, above twice as many everything is."""
+_SCHEMA = """
+CREATE TABLE IF NOT EXISTS events (
+    position INTEGER PRIMARY KEY AUTOINCREMENT,
+    run TEXT NOT NULL, number INTEGER NOT NULL, body BLOB NOT NULL,
+    UNIQUE (run, number)
+);
+CREATE TABLE IF NOT EXISTS seen (run TEXT PRIMARY KEY, number INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS facts (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+"""
+Row = tuple[int, str, int, bytes]
+"""Position, run, number and the event as JSON."""
+
+
+class Spool:
+    """The events of all runs that wait, and the highest number that was ever seen of each run."""
+
+    def __init__(self, path: Path, most: int = MOST) -> None:
+        """InputError if the file cannot be used."""
+        self._most = most
+        self.emptied = asyncio.Event()
+        try:
+            self._db = sqlite3.connect(path, isolation_level=None)
+            self._db.execute("PRAGMA journal_mode=WAL")
+            self._db.execute("PRAGMA synchronous=NORMAL")
+            self._db.executescript(_SCHEMA)
+        except sqlite3.Error as error:
+            help = "choose another folder with --state, or remove the file"
+            raise InputError(f"{path}: {error}", help=help) from None
+        self.run = self._fact("run") or self._set("run", f"link-{uuid4().hex}")
+        self.waiting = self._one("SELECT count(*) FROM events")
+        self.lost = int(self._fact("lost") or 0)
+
+    @property
+    def waiting(self) -> int:
+        """How many events wait."""
+        return self._waiting
+
+    @waiting.setter
+    def waiting(self, number: int) -> None:
+        self._waiting = number
+        self.emptied.clear() if number else self.emptied.set()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._db.close()
+
+    def add(self, events: Iterable[tuple[GuardEvent, bytes]]) -> None:
+        """Keep events, each with its JSON; those that were seen before are not kept twice."""
+        with closing(self._db.cursor()) as cursor:
+            cursor.execute("BEGIN")
+            for event, body in events:
+                self._add(cursor, event, body)
+            self._set("lost", str(self.lost))
+            cursor.execute("COMMIT")
+
+    def report_lost(self, at: int, count: int, why: str, about: str = "") -> GuardEvent:
+        """Return the event, of the link's own run, that tells how many events are missing."""
+        number = self.seen(self.run) + 1
+        values = {"events": count, "run": about}
+        return GuardEvent(
+            run=self.run,
+            number=number,
+            at=at,
+            kind=EventKind.LOST,
+            level=Level.WARNING,
+            reason=f"{count} events were lost: {why}",
+            values=values,
+        )
+
+    def take_lost(self) -> int:
+        """Return how many events found no place since the last call, if there is place again."""
+        if not self.lost or self.waiting >= self._most:
+            return 0
+        count, self.lost = self.lost, 0
+        return count
+
+    def after(self, position: int, most: int) -> Sequence[Row]:
+        """Return the next events behind a position."""
+        order = "WHERE position > ? ORDER BY position LIMIT ?"
+        rows = self._db.execute(
+            f"SELECT position, run, number, body FROM events {order}",  # noqa: S608 - our own text
+            (position, most),
+        )
+        return rows.fetchall()
+
+    def forget(self, run: str, number: int) -> None:
+        """Drop what the service has."""
+        where = "WHERE run = ? AND number <= ?"
+        cursor = self._db.execute(f"DELETE FROM events {where}", (run, number))  # noqa: S608
+        self.waiting -= cursor.rowcount
+
+    def seen(self, run: str) -> int:
+        """Return the highest number that was ever kept, or counted as lost, of a run."""
+        return self._one("SELECT coalesce(max(number), 0) FROM seen WHERE run = ?", run)
+
+    def prune(self, run: str) -> None:
+        """Forget the numbers of runs that are over and of which nothing waits; `run` goes on."""
+        waits = "SELECT run FROM events"
+        over = f"DELETE FROM seen WHERE run NOT IN (?, ?) AND run NOT IN ({waits})"  # noqa: S608
+        self._db.execute(over, (run, self.run))
+
+    def _add(self, cursor: sqlite3.Cursor, event: GuardEvent, body: bytes) -> None:
+        if event.number <= self.seen(event.run):
+            return
+        cursor.execute("INSERT OR REPLACE INTO seen VALUES (?, ?)", (event.run, event.number))
+        bound = self._most if event.kind is EventKind.COUNTS else 2 * self._most
+        if self.waiting >= bound:
+            self.lost += 1
+            return
+        row = (event.run, event.number, body)
+        cursor.execute("INSERT INTO events (run, number, body) VALUES (?, ?, ?)", row)
+        self.waiting += 1
+
+    def _one(self, query: str, *values: object) -> int:
+        return int(self._db.execute(query, values).fetchone()[0])
+
+    def _fact(self, name: str) -> str:
+        row = self._db.execute("SELECT value FROM facts WHERE name = ?", (name,)).fetchone()
+        return str(row[0]) if row else ""
+
+    def _set(self, name: str, value: str) -> str:
+        self._db.execute("INSERT OR REPLACE INTO facts VALUES (?, ?)", (name, value))
+        return value

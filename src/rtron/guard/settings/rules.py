@@ -1,0 +1,46 @@
+"""The rules of the mission under settings: which count, what they block, and when."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from rtron.guard.senses import Senses
+from rtron.guard.settings.action_judges import ActionJudges
+from rtron.messages.condition import Condition
+from rtron.policies.mission import Standing
+from rtron.vocabulary import Plan, Rule
+
+
+@dataclass(frozen=True, slots=True)
+class RuleChange:
+    """Other rules, ready to be put in force: what judges messages by them, and how they stand."""
+
+    senses: Senses
+    standings: dict[str, Standing]
+    rules: tuple[tuple[Rule, Condition], ...]
+
+
+class Rules:
+    """Puts rules in force in the mission that all streams share."""
+
+    def __init__(self, plan: Plan, senses: Senses) -> None:
+        self._senses = senses
+        self._judges = ActionJudges(plan, senses.actions)
+
+    def prepare(self, plan: Plan) -> RuleChange:
+        """Return the rules of a plan, nothing changes yet; InputError if they cannot be."""
+        judges = self._judges.of(plan.msrcn)
+        standings = self._senses.mission.standings
+        planned = plan.msrcn.rules if plan.msrcn else ()
+        rules = tuple((rule, self._condition(rule, standings)) for rule in planned)
+        standings = self._senses.mission.with_rules(rules)
+        return RuleChange(replace(self._senses, actions=judges), standings, rules)
+
+    def put(self, change: RuleChange, now: int) -> None:
+        """Put rules in force."""
+        self._senses.mission.replace(change.standings, change.rules, now)
+
+    def _condition(self, rule: Rule, standings: Mapping[str, Standing]) -> Condition:
+        before = standings.get(rule.name)
+        if before and before.rule.when == rule.when and isinstance(before.condition, Condition):
+            return before.condition
+        return Condition(rule.when, self._senses.mission.bits.named)

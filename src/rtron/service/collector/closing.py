@@ -1,0 +1,29 @@
+"""Why the collector closes a guard's connection: the codes of the link (RFC 6455, 4000-4999)."""
+
+from enum import IntEnum
+
+_LONGEST = 120
+"""A close frame holds 123 bytes of reason."""
+
+
+class CloseCode(IntEnum):
+    """What a guard is told when its connection ends; it may always connect again."""
+
+    TOO_BIG = 1009
+    FAILED = 1011
+    MALFORMED = 4400
+    NO_TOKEN = 4401
+    WRONG_ROBOT = 4403
+    TOO_SLOW = 4408
+    REPLACED = 4409
+    REFUSED = 4422
+    PROTOCOL = 4426
+
+
+class Closing(Exception):  # noqa: N818 - no error of ours: the way a connection ends
+    """Ends the connection with this code; `reason` is told to the guard."""
+
+    def __init__(self, code: CloseCode, reason: str) -> None:
+        super().__init__(reason)
+        self.code = code
+        self.reason = reason.encode()[:_LONGEST].decode(errors="ignore")

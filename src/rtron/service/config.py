@@ -1,0 +1,103 @@
+"""How the service is to run, checked before anything starts."""
+
+import ipaddress
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.service.store.retention import Bounds
+
+_HOUR = 3_600_000_000_000
+_KEPT = Bounds(days=30, size=4 << 30)
+_LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tls:
+    """The certificate (with its chain) and its private key, both PEM."""
+
+    cert: Path
+    key: Path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Config:
+    """Where the service listens and keeps what; InputError if that is unsafe or impossible.
+
+    `database` is a file or a URL. `allowed_hosts` are the names by which browsers and guards may
+    call it, beside loopback. `proxies` are addresses of reverse proxies, which must speak TLS to
+    the outside. `session_idle` and `session_longest` are in ns.
+    """
+
+    database: str | Path = Path("rtron.db")
+    host: str = "127.0.0.1"
+    port: int = 8600
+    tls: Tls | None = None
+    allowed_hosts: tuple[str, ...] = ()
+    proxies: tuple[str, ...] = ()
+    insecure_http: bool = False
+    retention: Bounds = _KEPT
+    session_idle: int = 2 * _HOUR
+    session_longest: int = 12 * _HOUR
+
+    def __post_init__(self) -> None:
+        _check_address(self)
+        _check_retention(self.retention)
+        for name in (*self.allowed_hosts, *self.proxies):
+            _check_name(name)
+        if self.tls:
+            _check_readable(self.tls.cert)
+            _check_readable(self.tls.key)
+
+    @property
+    def is_local(self) -> bool:
+        """Whether only programs of the same machine can connect."""
+        return self.host in _LOOPBACK
+
+    @property
+    def is_secure(self) -> bool:
+        """Whether browsers see HTTPS: spoken here, or by the reverse proxy."""
+        return self.tls is not None or bool(self.proxies)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The host names that a request may be for, in small letters."""
+        return _LOOPBACK | {name.lower() for name in (self.host, *self.allowed_hosts)}
+
+
+def _check_address(config: Config) -> None:
+    if not 0 <= config.port <= 65535:  # noqa: PLR2004 - the range of ports
+        raise InputError(f"--port {config.port} is not a port", help="choose one of 0 to 65535")
+    _check_name(config.host)
+    if not (config.is_local or config.tls or config.insecure_http):
+        raise InputError(
+            f"{config.host} is not this machine alone, and there is no TLS",
+            help="give --tls-cert and --tls-key; or --insecure-http, if the network is trusted: "
+            "passwords, tokens and settings are then readable there",
+        )
+
+
+def _check_retention(retention: Bounds) -> None:
+    if not retention.days > 0:
+        raise InputError("--keep-days must be more than 0", help="for example --keep-days 30")
+    if retention.size < 1 << 20:
+        raise InputError("--keep-mb must be 1 at least", help="for example --keep-mb 4096")
+
+
+def _check_name(name: str) -> None:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        parts = name.split(".")
+        if not all(part and part.replace("-", "").isalnum() and part.isascii() for part in parts):
+            help = "give a name or an address without scheme, port and brackets"
+            raise InputError(f"{name!r} is not the name of a host", help=help) from None
+
+
+def _check_readable(path: Path) -> None:
+    try:
+        with path.open("rb"):
+            return
+    except OSError as error:
+        help = "give a PEM file that this user may read"
+        raise InputError(error.strerror or "cannot be read", path=str(path), help=help) from None

@@ -1,0 +1,136 @@
+"""Robots, their apps, and the risk model of the coordination nodes (paper section 6.3)."""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any
+
+from pydantic import TypeAdapter
+from sqlalchemy import delete, func, select
+from sqlalchemy.orm import Session
+
+from rtron.service.store.tables import AppRow, CoordinationNodeRow, RobotRow
+from rtron.vocabulary import Plan
+
+_PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RiskModel:
+    """What is kept of one coordination node: metadata, and its policy settings as JSON."""
+
+    node: str
+    type: str
+    description: str
+    risk_information: dict[str, Any]
+    policy_settings: dict[str, Any]
+
+
+def plan_json(plan: Plan) -> dict[str, Any]:
+    """Return a plan as JSON: the nouns of the vocabulary, durations in ns."""
+    document: dict[str, Any] = _PLAN.dump_python(plan, mode="json")
+    return document
+
+
+def plan_of(app: AppRow) -> Plan:
+    """Return the plan of an app."""
+    return _PLAN.validate_python(app.plan)
+
+
+def plan_digest(document: dict[str, Any]) -> str:
+    """Return what tells one plan's JSON from another."""
+    return sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+
+def robots(session: Session) -> Sequence[tuple[RobotRow, AppRow | None]]:
+    """Return all robots by name, each with its current app."""
+    query = (
+        select(RobotRow, AppRow)
+        .outerjoin(AppRow, AppRow.id == RobotRow.app_id)
+        .order_by(RobotRow.name)
+    )
+    return [(robot, app) for robot, app in session.execute(query)]
+
+
+def find_robot(session: Session, name: str) -> tuple[RobotRow, AppRow | None] | None:
+    """Return a robot and its current app; None if there is no such robot."""
+    query = (
+        select(RobotRow, AppRow)
+        .outerjoin(AppRow, AppRow.id == RobotRow.app_id)
+        .where(RobotRow.name == name)
+    )
+    found = session.execute(query).first()
+    return (found[0], found[1]) if found else None
+
+
+def meet_robot(session: Session, name: str, now: int) -> RobotRow:
+    """Return the robot, made if it is new; it was seen at `now` (ns)."""
+    robot = session.scalars(select(RobotRow).where(RobotRow.name == name)).one_or_none()
+    if robot is None:
+        robot = RobotRow(name=name, created=now, seen=now, app_id=None)
+        session.add(robot)
+    robot.seen = now
+    session.flush()
+    return robot
+
+
+def count_apps(session: Session, robot: RobotRow) -> int:
+    """Return how many apps a robot has had."""
+    query = select(func.count()).select_from(AppRow).where(AppRow.robot_id == robot.id)
+    return session.scalars(query).one()
+
+
+def find_app(session: Session, robot: RobotRow, name: str) -> AppRow | None:
+    """Return an app of a robot."""
+    query = select(AppRow).where(AppRow.robot_id == robot.id, AppRow.name == name)
+    return session.scalars(query).one_or_none()
+
+
+def coordination_nodes(session: Session, app_id: int) -> Sequence[CoordinationNodeRow]:
+    """Return the coordination nodes of an app in the plan's order."""
+    query = (
+        select(CoordinationNodeRow)
+        .where(CoordinationNodeRow.app_id == app_id)
+        .order_by(CoordinationNodeRow.position)
+    )
+    return session.scalars(query).all()
+
+
+def store_models(session: Session, app_id: int, models: Sequence[RiskModel]) -> None:
+    """Make these the coordination nodes of an app; when they were triggered stays known."""
+    known = {row.node: row for row in coordination_nodes(session, app_id)}
+    _forget(session, app_id, known.keys() - {model.node for model in models})
+    for position, model in enumerate(models):
+        row = known.get(model.node) or _new(session, app_id, model.node)
+        row.position = position
+        row.type = model.type
+        row.description = model.description
+        row.risk_information = model.risk_information
+        row.policy_settings = model.policy_settings
+    session.flush()
+
+
+def store_policy_settings(
+    session: Session, app_id: int, settings: Mapping[str, dict[str, Any]]
+) -> None:
+    """Keep what is in force at the coordination nodes of an app, by their ids."""
+    for row in coordination_nodes(session, app_id):
+        if row.node in settings and row.policy_settings != settings[row.node]:
+            row.policy_settings = settings[row.node]
+
+
+def _new(session: Session, app_id: int, node: str) -> CoordinationNodeRow:
+    row = CoordinationNodeRow(app_id=app_id, node=node, triggered=None, violation=None)
+    session.add(row)
+    return row
+
+
+def _forget(session: Session, app_id: int, nodes: Iterable[str]) -> None:
+    gone = list(nodes)
+    if gone:
+        session.execute(
+            delete(CoordinationNodeRow).where(
+                CoordinationNodeRow.app_id == app_id, CoordinationNodeRow.node.in_(gone)
+            )
+        )

@@ -1,0 +1,428 @@
+import http.client
+import json
+import socket
+import time
+
+import pytest
+from site_of_tests import People, served, wait_for
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from rtron.service.api.gate import bodies
+from rtron.service.api.gate.bodies import MOST, MOST_OF_GRAPH
+from rtron.service.api.gate.hosts import host_name
+from rtron.service.api.gate.nesting import DEEPEST, is_too_deep
+from rtron.service.app import create_app
+from rtron.service.config import Config
+
+HEADERS = {
+    "content-security-policy",
+    "x-content-type-options",
+    "x-frame-options",
+    "referrer-policy",
+    "permissions-policy",
+    "cross-origin-opener-policy",
+    "cross-origin-resource-policy",
+}
+
+
+@pytest.fixture(scope="module")
+def app(tmp_path_factory):
+    return create_app(Config(database=tmp_path_factory.mktemp("gates") / "rtron.db"))
+
+
+@pytest.fixture(scope="module")
+def port(app):
+    with served(app) as port:
+        yield port
+
+
+@pytest.fixture(scope="module")
+def people(app):
+    return People(app.state.service)
+
+
+@pytest.fixture
+def own_app(tmp_path):
+    return create_app(Config(database=tmp_path / "rtron.db"))
+
+
+@pytest.fixture
+def raw(port):
+    """Send bytes and return the head of the answer, until the other side closes or is done."""
+
+    def send(*parts, close=True):
+        with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+            for part in parts:
+                sock.sendall(part)
+            return http_answer(sock)
+
+    return send
+
+
+def http_answer(sock):
+    response = http.client.HTTPResponse(sock)
+    response.begin()
+    return response.status, dict(response.getheaders()), response.read()
+
+
+def chunk(data):
+    return f"{len(data):x}\r\n".encode() + data + b"\r\n"
+
+
+# hosts
+
+
+@pytest.mark.parametrize(
+    "host", ["localhost", "127.0.0.1", "[::1]", "LOCALHOST:80", "[::1]:8600", "127.0.0.1:1"]
+)
+def test_loopback_names_are_known(raw, host):
+    assert raw(f"GET /healthz HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())[0] == 200
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "evil.example",
+        "localhost.evil.example",
+        "localhost:80@evil.example",
+        "127.0.0.1.evil.example",
+        "localhost evil",
+        "",
+        "localhost,evil.example",
+        "[::1",
+        "0.0.0.0",
+    ],
+)
+def test_other_names_are_not(raw, host):
+    status, headers, _ = raw(f"GET /healthz HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+    assert status in {400, 421}
+
+
+def test_a_request_without_a_host_and_with_two(raw):
+    assert raw(b"GET /healthz HTTP/1.0\r\n\r\n")[0] == 421
+    two = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nHost: localhost\r\n\r\n"
+    assert raw(two)[0] in {400, 421}
+
+
+def test_a_socket_needs_a_known_host_too(port, people):
+    headers = people.token("t", "read")
+    with (
+        socket.create_connection(("127.0.0.1", port)) as sock,
+        pytest.raises(InvalidStatus) as refused,
+        connect("ws://evil.example/api/v1/live", sock=sock, additional_headers=headers),
+    ):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+def test_more_names_can_be_allowed(tmp_path):
+    config = Config(database=tmp_path / "r.db", allowed_hosts=("Robots.example",))
+    with served(create_app(config)) as port:
+        connection = http.client.HTTPConnection("127.0.0.1", port)
+        for host, status in (("robots.example:1", 200), ("robots.example.org", 421)):
+            connection.request("GET", "/healthz", headers={"Host": host})
+            answer = connection.getresponse()
+            answer.read()
+            assert answer.status == status
+
+
+@pytest.mark.parametrize(
+    ("host", "name"),
+    [
+        ("a:1", "a"),
+        ("A", "a"),
+        ("[::1]:2", "::1"),
+        ("[::1]", "::1"),
+        ("::1", "::1"),
+        ("a:", "a:"),
+        ("a:b", "a:b"),
+        (":1", ""),
+        ("", ""),
+    ],
+)
+def test_the_name_in_a_host_header(host, name):
+    assert host_name(host) == name
+
+
+# origins
+
+
+def origin_status(client, headers, **origin):
+    given = headers | {name.replace("_", "-"): value for name, value in origin.items()}
+    return client.post("/api/v1/users", json={}, headers=given).status_code
+
+
+def test_changes_come_from_our_own_pages_or_from_programs(client, port, admin):
+    own = f"http://127.0.0.1:{port}"
+    assert origin_status(client, admin) == 422
+    assert origin_status(client, admin, Origin=own) == 422
+    assert origin_status(client, admin, Origin=own, Sec_Fetch_Site="same-origin") == 422
+
+
+@pytest.mark.parametrize(
+    "origin",
+    ["http://evil.example", "null", "http://127.0.0.1:1", "file://", "", "http://[", "http://127.0.0.1"],
+)
+def test_changes_from_other_pages_are_refused(client, admin, origin):
+    assert origin_status(client, admin, Origin=origin) == 403
+
+
+@pytest.mark.parametrize("site", ["cross-site", "same-site"])
+def test_browsers_that_tell_the_site_are_believed(client, admin, site):
+    assert origin_status(client, admin, Sec_Fetch_Site=site) == 403
+
+
+def test_a_login_from_another_page_is_refused(client):
+    answer = client.post("/api/v1/login", json={}, headers={"Origin": "http://evil.example"})
+    assert answer.status_code == 403
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", None])
+def test_a_socket_from_another_page_is_refused(port, people, origin):
+    headers = people.session("mary", "end_user")
+    given = {"origin": origin, "additional_headers": headers, "proxy": None}
+    url = f"ws://127.0.0.1:{port}/api/v1/live"
+    with pytest.raises(InvalidStatus) as refused, connect(url, **given):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+# bodies
+
+
+def put(path="/api/v1/users"):
+    return f"POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n".encode()
+
+
+@pytest.mark.parametrize(("length", "status"), [(MOST, 422), (MOST + 1, 413), (1 << 40, 413)])
+def test_a_body_is_bounded_by_what_it_says(raw, length, status):
+    head = put() + f"Content-Length: {length}\r\n\r\n".encode()
+    answer = raw(head, b"0" * min(length, MOST) if status == 422 else b"")
+    assert answer[0] == status
+    if status == 413:
+        assert json.loads(answer[2])["error"] == "more than 1 MiB"
+
+
+@pytest.mark.parametrize(("more", "status"), [(0, 422), (1, 413)])
+def test_a_body_in_chunks_is_bounded_by_what_comes(raw, more, status):
+    chunks = [chunk(b"0" * (MOST // 16))] * 16
+    head = put() + b"Transfer-Encoding: chunked\r\n\r\n"
+    tail = (chunk(b"0") if more else b"") + b"0\r\n\r\n"
+    assert raw(head, *chunks, tail)[0] == status
+
+
+def test_a_body_without_end_is_refused_while_it_comes(port):
+    with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        sock.sendall(put() + b"Transfer-Encoding: chunked\r\n\r\n")
+        sent = 0
+        try:
+            while sent < 64 * MOST:
+                sock.sendall(chunk(b"0" * 65536))
+                sent += 65536
+        except OSError:
+            pass
+        assert sent < 64 * MOST
+
+
+def test_a_graph_may_be_larger(client, people):
+    headers = people.token("dev", "developer") | {"Content-Type": "application/json"}
+    path = "/api/v1/robots/car1/graph"
+    spaces = b"{}" + b" " * (MOST_OF_GRAPH - 2)
+    assert client.put(path, content=spaces, headers=headers).status_code not in {413, 500}
+    assert client.put(path, content=spaces + b" ", headers=headers).status_code == 413
+    assert client.post(path, content=spaces, headers=headers).status_code == 413
+    other = "/api/v1/robots/car1/graph/x"
+    assert client.put(other, content=spaces, headers=headers).status_code == 413
+
+
+def test_a_body_that_does_not_come_is_not_waited_for(own_app):
+    gate = next(each for each in own_app.user_middleware if each.cls is bodies.Bodies)
+    gate.kwargs["patience"] = 0.2
+    with served(own_app) as port, socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        sock.sendall(put() + b"Content-Length: 10\r\n\r\n12345")
+        assert http_answer(sock)[0] == 408
+
+
+def test_only_a_few_large_bodies_are_read_at_a_time(port):
+    head = (
+        b"PUT /api/v1/robots/x/graph HTTP/1.1\r\nHost: localhost\r\n"
+        b"Content-Length: " + str(MOST_OF_GRAPH).encode() + b"\r\n\r\n"
+    )
+    socks = [socket.create_connection(("127.0.0.1", port), timeout=30) for _ in range(5)]
+    for sock in socks:
+        sock.sendall(head + b"0" * (MOST + 1))
+        time.sleep(0)
+    refused = wait_for(lambda: next(filter(_has_answer, socks), None))
+    assert http_answer(refused)[0] == 503
+    for sock in socks:
+        sock.close()
+
+
+def _has_answer(sock):
+    sock.setblocking(False)
+    try:
+        return bool(sock.recv(1, socket.MSG_PEEK))
+    except BlockingIOError:
+        return False
+    finally:
+        sock.settimeout(30)
+
+
+@pytest.mark.parametrize(
+    ("document", "deep"),
+    [
+        (b"[" * DEEPEST + b"]" * DEEPEST, False),
+        (b"[" * (DEEPEST + 1) + b"]" * (DEEPEST + 1), True),
+        (b'{"a":' * (DEEPEST + 1), True),
+        (b'"' + b"[" * 100 + b'"', False),
+        (b'"\\"' + b"[" * 100 + b'"', False),
+        (b'"\\\\"' + b"[" * 100, True),
+        (b'["' + b"]" * 50 + b'"' + b"[" * DEEPEST, True),
+        (b"[]" * 1000, False),
+        (b'"' + b"[" * 100, False),
+        (b'"\\', False),
+        (b"", False),
+    ],
+)
+def test_nesting(document, deep):
+    assert is_too_deep(document) is deep
+
+
+def test_nesting_takes_linear_time():
+    began = time.process_time()
+    for document in (b'"\\"' * 350_000, b'"' + b'\\"' * 500_000, b"[" * MOST, b'"\\' * 500_000):
+        is_too_deep(document)
+    assert time.process_time() - began < 5
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"[" * 100_000, b'{"a":' * 1000, b'{"name": "a\\u0000b"}', b'{"name": "a\0b"}', b"{", b"\xff", b""],
+)
+def test_bad_json_is_a_problem_and_nothing_else(client, admin, content):
+    headers = admin | {"Content-Type": "application/json"}
+    answer = client.post("/api/v1/users", content=content, headers=headers)
+    assert answer.status_code in {400, 422}
+    assert answer.json().keys() == {"error", "help"}
+
+
+@pytest.mark.parametrize("path", ["/api/v1/events?text=%00", "/api/v1/robots/a%00b"])
+def test_no_nul_in_addresses(client, admin, path):
+    assert client.get(path, headers=admin).status_code == 400
+
+
+# headers
+
+
+@pytest.mark.parametrize(
+    ("method", "path"),
+    [
+        ("GET", "/"),
+        ("GET", "/healthz"),
+        ("GET", "/nothing"),
+        ("GET", "/api/v1/me"),
+        ("POST", "/api/v1/login"),
+        ("DELETE", "/healthz"),
+        ("GET", "/openapi.json"),
+        ("GET", "/console/x/../../etc/passwd"),
+    ],
+)
+def test_every_answer_has_the_security_headers(client, method, path):
+    answer = client.request(method, path)
+    assert answer.headers.keys() >= HEADERS
+    assert "default-src 'self'" in answer.headers["content-security-policy"]
+    assert "unsafe" not in answer.headers["content-security-policy"]
+    assert "server" not in answer.headers
+    assert "strict-transport-security" not in answer.headers
+
+
+def test_refusals_of_the_gates_have_them_too(raw):
+    _, headers, body = raw(b"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n")
+    assert {name.lower() for name in headers} >= HEADERS
+    assert json.loads(body).keys() == {"error", "help"}
+
+
+def test_failures_have_them_and_tell_nothing(app, client, caplog):
+    @app.get("/failing")
+    def failing():
+        raise ZeroDivisionError("inner secret")
+
+    answer = client.get("/failing")
+    assert answer.status_code == 500
+    assert answer.headers.keys() >= HEADERS
+    assert "inner" not in answer.text
+    assert "ZeroDivisionError" in caplog.text
+
+
+@pytest.mark.parametrize("path", ["/api/v1/me", "/metrics", "/healthz", "/readyz"])
+def test_no_cache_keeps_what_the_api_says(client, path):
+    assert client.get(path).headers["cache-control"] == "no-store"
+
+
+def test_no_page_loads_anything_from_elsewhere(client):
+    assert client.get("/docs").status_code == 404
+    assert client.get("/redoc").status_code == 404
+    assert client.get("/openapi.json").json()["info"]["title"] == "RTron security service"
+
+
+# paths and heads
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/../../../../etc/passwd",
+        "/console/../../../etc/passwd",
+        "/console/%2e%2e/%2e%2e/etc/passwd",
+        "/console/x/..%2f..%2f..%2fetc/passwd",
+        "//etc/passwd",
+        "/api/v1/robots/../../../etc/passwd",
+        "/api/v1/robots/%2e%2e%2f%2e%2e%2fetc%2fpasswd",
+        "/api/v1/robots/..%5c..%5cetc",
+        "/console/\\..\\..\\etc",
+    ],
+)
+def test_no_path_leads_out(raw, people, path):
+    token = people.token("t", "admin")["Authorization"]
+    head = f"GET {path} HTTP/1.1\r\nHost: localhost\r\nAuthorization: {token}\r\n\r\n"
+    status, _, body = raw(head.encode())
+    assert status in {400, 404, 422}
+    assert b"root:" not in body
+
+
+@pytest.mark.parametrize("name", ["x%0d%0aSet-Cookie:%20a=b", "x%0aX-Evil:1", "%0d%0a%0d%0a<script>"])
+def test_no_header_is_injected(client, people, name):
+    headers = people.token("t", "admin")
+    for answer in (
+        client.get(f"/api/v1/robots/{name}", headers=headers),
+        client.delete(f"/api/v1/users/{name}", headers=headers),
+        client.get(f"/console/{name}/{name}"),
+    ):
+        assert answer.status_code in {404, 422}
+        assert "set-cookie" not in answer.headers
+        assert "x-evil" not in answer.headers
+        assert answer.headers["content-type"] == "application/json"
+
+
+def test_a_long_head_is_refused(raw):
+    head = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 2_000_000 + b"\r\n\r\n"
+    try:
+        assert raw(head)[0] == 400
+    except ConnectionError:
+        return  # it was closed before all was sent
+
+
+def test_a_head_that_does_not_come_ends_the_connection(own_app, monkeypatch):
+    monkeypatch.setattr("rtron.service.serve._PATIENCE_S", 0.2)
+    with served(own_app) as port:
+        for said in (b"", b"GET / HTTP/1.1\r\nHost: loc"):
+            with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+                sock.sendall(said)
+                assert sock.recv(100) == b""
+        with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+            request = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+            sock.sendall(request)
+            assert http_answer(sock)[0] == 200
+            sock.sendall(request[:20])
+            assert sock.recv(100) == b""

@@ -1,0 +1,31 @@
+"""A served collector on each kind of database."""
+
+import pytest
+from collecting import World
+
+from rtron.service.store.database import Database
+
+
+@pytest.fixture
+def world(database):
+    """Serve a collector."""
+    with World(database).serving() as served:
+        yield served
+
+
+@pytest.fixture
+def hasty(tmp_path):
+    """Serve a collector that waits for nobody."""
+    database = Database(tmp_path / "rtron.db")
+    with World(database, hello=0.2, silence=0.4, sending=0.3, token=0.1).serving() as served:
+        yield served
+    database.close()
+
+
+@pytest.fixture
+def small(tmp_path):
+    """Serve a collector on SQLite."""
+    database = Database(tmp_path / "rtron.db")
+    with World(database).serving() as served:
+        yield served
+    database.close()

@@ -1,0 +1,194 @@
+"""A robot for the console: AutoRace under a plan, and what its guard would tell about it."""
+
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from rtron.planning import propose_plan
+from rtron.risks import discover
+from rtron.sources.graph_json import read_graph
+from rtron.vocabulary import (
+    Alarm,
+    AlarmKind,
+    Decision,
+    EventKind,
+    FlowTally,
+    GuardEvent,
+    GuardState,
+    Level,
+    Mode,
+    PolicyName,
+    Rule,
+    RuleState,
+    StreamState,
+)
+
+SECOND = 1_000_000_000
+FIXTURE = Path(__file__).parents[2] / "fixtures" / "autorace.json"
+GRAPH = read_graph(FIXTURE)
+REPORT = discover(GRAPH)
+RULES = (
+    Rule(
+        name="stop_at_red",
+        when="eflow12",
+        block=("/cmd_vel",),
+        reason="the light is red",
+        mandatory=True,
+    ),
+    Rule(
+        name="no_goal_in_tunnel",
+        when="eflow15 && !eflow6",
+        block=("aflow6", "aflow7"),
+        reason="goals while in the tunnel are the tunnel's own",
+    ),
+    Rule(name="wait_for_bar", when="eflow8", block=("aflow1", "aflow2"), reason="the bar is down"),
+)
+
+
+def plan(app="autorace"):
+    """Return AutoRace's plan with limits and rules of the mission."""
+    found = propose_plan(GRAPH, REPORT)
+    rsrcn = replace(
+        found.rsrcn, policy=PolicyName.SAFE_CONSTRAIN, threshold=0.012, max_vel_limit=0.22
+    )
+    msrcn = replace(found.msrcn, rules=RULES)
+    return replace(found, app=app, rsrcn=rsrcn, msrcn=msrcn)
+
+
+class Guard:
+    """What a guard would tell: counters that go up, owners that change, an attack when asked."""
+
+    def __init__(self, plan, run="run1", seed=0.0):
+        self.plan, self.run, self.seed = plan, run, seed
+        self.number, self.revision = 0, 0
+        self.intruder = "/rviz_intruder"
+        self.attack, self.stopped, self.overridden = False, False, ()
+        self.counts, self.owners, self.began = {}, {}, time.monotonic()
+
+    def event(self, kind, **more):
+        """Return the guard's next event."""
+        self.number += 1
+        return GuardEvent(run=self.run, number=self.number, at=time.time_ns(), kind=kind, **more)
+
+    def counted(self):
+        """Return the figures of the last second as the guard tells them."""
+        return self.event(EventKind.COUNTS, values={"streams": {}})
+
+    def steal(self):
+        """Return what the guard tells when a stranger speaks on /cmd_vel."""
+        self.attack = True
+        return (
+            self.event(
+                EventKind.VERDICT,
+                level=Level.WARNING,
+                node="grcn_cmd_vel",
+                topic="/cmd_vel",
+                flow="unapproved",
+                publisher="/rviz_intruder",
+                policy=PolicyName.PREEMPTION,
+                decision=Decision.DROP,
+                reason="/rviz_intruder is not in the plan: what it says on /cmd_vel is dropped",
+            ),
+            self.event(
+                EventKind.ALARM,
+                level=Level.ERROR,
+                topic="/cmd_vel",
+                publisher="/rviz_intruder",
+                reason="/rviz_intruder publishes /cmd_vel, which the plan does not know",
+            ),
+        )
+
+    def state(self, seconds=None):
+        """Return the state `seconds` after the beginning, and what changed owners by then."""
+        at = (time.monotonic() - self.began if seconds is None else seconds) + self.seed
+        streams = tuple(self._stream(node, at) for node in self.plan.grcn)
+        return GuardState(
+            at=time.time_ns(),
+            revision=self.revision,
+            streams=streams,
+            rules=self._rules(at),
+            bits=self._bits(at),
+            fps={m.id: 24 + 4 * math.sin(at / 5 + n) for n, m in enumerate(self.plan.fps_monitor)},
+            alarms=self._alarms(),
+            overridden=self.overridden,
+            stopped=self.stopped,
+        )
+
+    def _stream(self, node, at):
+        moving = node.topic in ("/cmd_vel", "/control/max_vel") and not self.stopped
+        owner = self._owner(node, at) if node.mode is Mode.ENFORCE else None
+        tallies = {f.name: self._tally(node, f, f is owner) for f in node.flows}
+        speed = 0.16 + 0.05 * math.sin(at / 3) if moving and owner else None
+        stopping = "emergency stop" if self.stopped and node.topic == "/cmd_vel" else ""
+        return StreamState(
+            topic=node.topic,
+            nodes=(node.id, *_further(self.plan, node.topic)),
+            mode=node.mode,
+            owner="" if self.stopped or not owner else owner.name,
+            publisher="" if self.stopped or not owner else owner.publisher,
+            stopping=stopping,
+            flows=tallies,
+            strangers={self.intruder: 40} if self.attack and node.topic == "/cmd_vel" else {},
+            speed=speed,
+            limit=0.22 if node.topic in ("/cmd_vel", "/control/max_vel") else None,
+            latency=(62 + 9 * math.sin(at), 180 + 60 * abs(math.sin(at / 2))),
+        )
+
+    def _owner(self, node, at):
+        if not node.flows or "finished" in node.topic:
+            return None
+        return node.flows[int(at / 20) % min(len(node.flows), 2)]
+
+    def _tally(self, node, flow, owns):
+        key = (node.id, flow.name)
+        passed, dropped = self.counts.get(key, (0, 0))
+        step = 10 if node.mode is Mode.ENFORCE else 25
+        passed, dropped = (
+            (passed + step, dropped)
+            if owns or node.mode is Mode.OBSERVE
+            else (
+                passed,
+                dropped + step // 2,
+            )
+        )
+        self.counts[key] = passed, dropped
+        return FlowTally(passed=passed, dropped=dropped, modified=passed // 9)
+
+    def _rules(self, at):
+        rules = self.plan.msrcn.rules if self.plan.msrcn else ()
+        red = math.sin(at / 8) > 0.5
+        states = {"stop_at_red": (red, "eflow12 is 1" if red else "")}
+        return tuple(
+            RuleState(
+                name=r.name,
+                blocks=states.get(r.name, (False, ""))[0],
+                reason=states.get(r.name, (False, ""))[1],
+            )
+            for r in rules
+        )
+
+    def _bits(self, at):
+        flows = self.plan.msrcn.eflows if self.plan.msrcn else ()
+        bits = {f.name: math.sin(at / 4 + n) > 0 for n, f in enumerate(flows)}
+        return bits | {f.name: None for f in flows[10:12]}
+
+    def _alarms(self):
+        if not self.attack:
+            return ()
+        return (
+            Alarm(
+                kind=AlarmKind.FOREIGN_PUBLISHER,
+                reason=f"{self.intruder} publishes /cmd_vel, which the plan does not know",
+                topic="/cmd_vel",
+                node="/rtron",
+                peer=self.intruder,
+            ),
+        )
+
+
+def _further(plan, topic):
+    """Return the MSRCN and the RSRCN, as far as they guard a topic too."""
+    parts = [(plan.msrcn, plan.msrcn.aflows)] if plan.msrcn else []
+    parts += [(plan.rsrcn, plan.rsrcn.vflows)] if plan.rsrcn else []
+    return tuple(node.id for node, topics in parts if topic in [t.topic for t in topics])

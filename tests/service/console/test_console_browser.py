@@ -1,0 +1,366 @@
+"""The console in a real browser, against the real service and a simulated guard."""
+
+import pytest
+from selenium.webdriver.common.keys import Keys
+
+
+def test_a_wrong_password_is_told_and_the_right_one_lets_in(console, page):
+    page.expect("401")
+    page.browser.get(console.base)
+    page.fill("name", "ada")
+    page.fill("password", "not the password")
+    page.press("Log in")
+    page.sees("the name or the password is wrong")
+    page.fill("password", page.password)
+    page.press("Log in")
+    page.sees("No robot is known yet")
+
+
+def test_the_overview_tells_who_is_in_control(guard, page):
+    page.login()
+    page.sees("/cmd_vel", "table")
+    page.sees("/control_lane", "table")
+    page.sees("Preemption", "table")
+    page.sees("connected")
+
+
+def test_an_attack_appears_while_one_looks(guard, page):
+    page.login()
+    page.sees("/cmd_vel", "table")
+    page.sees_not("foreign publisher")
+    guard.attack()
+    page.sees("foreign publisher")
+    page.sees("/rviz_intruder is not in the plan")
+    page.go("robots/turtle1/events")
+    page.sees("what it says on /cmd_vel is dropped")
+    page.go("robots/turtle1/nodes/grcn_cmd_vel")
+    page.sees("only the publishers that the plan names may speak on /cmd_vel")
+    page.sees("/rviz_intruder on /cmd_vel")
+
+
+def test_a_robot_that_goes_away_is_not_shown_as_live(guard, page):
+    page.login()
+    page.sees("/control_lane", "table")
+    guard.close()
+    page.sees("not connected")
+    page.sees("The guard is not connected")
+    assert not [row for row in page.rows() if "was" not in row and "/control_lane" in row]
+
+
+def test_a_guard_that_falls_silent_is_not_shown_as_live(guard, page):
+    page.login()
+    page.sees("/control_lane", "table")
+    guard._every = 1000
+    page.sees("has been silent for")
+    assert page.all(".stale")
+
+
+def test_the_policy_is_changed_after_one_has_seen_what_it_will_do(guard, page):
+    page.login("dev", "robots/turtle1/nodes/grcn_cmd_vel")
+    page.sees("Policy and flows")
+    page.choose("Policy", "Block")
+    page.press("Review and put in force …")
+    page.sees("Flows whose block bit is 1 are dropped", "dialog")
+    cells = [cell.text for cell in page.all("dialog tbody td")]
+    assert cells == ["Policy", "Preemption", "Block"]
+    assert not page.find("dialog .danger").is_enabled()
+    page.reason("somebody steals the wheel")
+    page.press("Put in force", "dialog")
+    page.sees("plan Preemption, in force Block")
+    page.sees("revision 1")
+    page.sees("applied")
+    assert guard.settings[-1].nodes["grcn_cmd_vel"].policy.value == "Block"
+
+
+def test_pending_becomes_refused_with_the_guards_words(guard, page):
+    page.login("dev", "robots/turtle1/nodes/grcn_cmd_vel")
+    page.put("priority of flow1", 9)
+    guard.answers.clear()
+    guard.error = "flow1 is busy"
+    page.press("Review and put in force …")
+    page.reason("it comes first")
+    page.press("Put in force", "dialog")
+    page.sees("pending", ".head")
+    guard.answers.set()
+    page.sees("refused", ".head")
+    page.sees("flow1 is busy", ".head")
+
+
+def test_who_was_slower_sees_what_the_other_changed_and_can_do_it_again(console, guard, page):
+    page.expect("409")
+    page.login("dev", "robots/turtle1/nodes/grcn_cmd_vel")
+    page.put("priority of flow1", 9)
+    theirs = {"revision": 0, "reason": "mine first", "nodes": {"grcn_cmd_vel": {"policy": "Block"}}}
+    assert console.call("PATCH", "/robots/turtle1/settings", json=theirs).status_code == 200
+    page.sees("since you began")
+    page.press("Review and put in force …")
+    page.reason("it comes first")
+    page.press("Put in force", "dialog")
+    page.sees("ada changed the settings in the meantime")
+    page.sees("grcn_cmd_vel · policy: none → Block")
+    page.until(lambda: not page.all("dialog"))
+    page.press("Review and put in force …")
+    page.reason("it comes first")
+    page.press("Put in force", "dialog")
+    page.sees("plan 4, in force 9")
+    page.sees("plan Preemption, in force Block")
+
+
+def test_the_end_user_cannot_touch_what_is_the_developers_and_is_told_why(guard, page):
+    page.login("eva", "robots/turtle1/nodes/grcn_cmd_vel")
+    field = page.named("priority of flow1")
+    assert not field.is_enabled()
+    assert "only the developer may change this" in page.find(".setting .hidden").get_attribute(
+        "textContent"
+    )
+    page.go("robots/turtle1/nodes/rsrcn")
+    page.sees("Policy and limits")
+    assert page.named("Max_vel_limit").is_enabled()
+    assert not page.named("Threshold").is_enabled()
+
+
+def test_the_end_user_lowers_the_limit(guard, page):
+    page.login("eva", "robots/turtle1/nodes/rsrcn")
+    page.put("Max_vel_limit", "0.1")
+    page.press("Review and put in force …")
+    page.sees("The robot goes at most 0.1 m/s", "dialog")
+    page.reason("people about")
+    page.press("Put in force", "dialog")
+    page.sees("plan 0.22 m/s, in force 0.1 m/s")
+    assert guard.settings[-1].nodes["rsrcn"].max_vel_limit == 0.1
+
+
+def test_mandatory_rules_stay_and_others_can_be_deselected(guard, page):
+    page.login("eva", "robots/turtle1/nodes/msrcn")
+    assert not page.named("selected of stop_at_red").is_enabled()
+    page.named("selected of wait_for_bar").click()
+    page.press("Review and put in force …")
+    page.sees("The rule wait_for_bar does not count any more", "dialog")
+    page.reason("the bar is broken")
+    page.press("Put in force", "dialog")
+    page.sees("revision 1")
+    assert guard.settings[-1].nodes["msrcn"].rules["wait_for_bar"].selected is False
+
+
+def test_an_end_user_adds_and_deletes_a_rule(guard, page):
+    page.login("eva", "robots/turtle1/nodes/msrcn")
+    page.press("New rule …")
+    page.sees("A rule of your own", "dialog")
+    fields = page.all("dialog input:not([type=checkbox])")
+    fields[0].send_keys("no_parking")
+    page.press("eflow10", "dialog")
+    page.find("dialog .bits input").click()
+    page.press("Into the draft", "dialog")
+    page.sees("1 change in draft")
+    page.press("Review and put in force …")
+    page.sees("while eflow10: /cmd_vel", "dialog")
+    page.reason("no parking today")
+    page.press("Put in force", "dialog")
+    page.sees("revision 1")
+    assert guard.settings[-1].nodes["msrcn"].rules["no_parking"].block == ("/cmd_vel",)
+    page.press("delete")
+    page.press("Review and put in force …")
+    page.reason("parking again")
+    page.press("Put in force", "dialog")
+    page.sees("revision 2")
+    assert "msrcn" not in guard.settings[-1].nodes
+
+
+@pytest.mark.parametrize("name", ["ada", "dev", "eva"])
+def test_every_role_stops_the_robot_with_two_presses(name, guard, page):
+    page.login(name, "robots/turtle1/graph")
+    page.find("#stop").send_keys(Keys.ENTER)
+    page.sees("Stop turtle1 now", "dialog")
+    page.browser.switch_to.active_element.send_keys(Keys.ENTER)
+    page.until(lambda: guard.settings[-1].stop)
+    assert guard.settings[-1].stop.by == name
+    page.go("robots/turtle1/now")
+    page.sees(f"Emergency stop by {name}")
+    page.press("End the emergency stop")
+    page.sees("may move at once", "dialog")
+    page.reason("all is clear")
+    page.press("Let it move again", "dialog")
+    page.until(lambda: guard.settings[-1].stop is None)
+    page.sees_not("Emergency stop by")
+
+
+def test_an_override_counts_down_and_can_be_ended(guard, page):
+    page.login("dev", "robots/turtle1/nodes/rsrcn")
+    page.press("Override …")
+    page.sees("faster than it sees", "dialog")
+    page.reason("to the workshop")
+    page.press("Override for 2 min", "dialog")
+    page.sees("1:5")
+    page.sees("dev: to the workshop")
+    assert guard.settings[-1].overrides["rsrcn"].reason == "to the workshop"
+    page.press("End it now")
+    page.press("End it now", "dialog")
+    page.until(lambda: not guard.settings[-1].overrides)
+    page.sees("What this node forbids passes for that time")
+
+
+def test_the_graph_lights_what_belongs_to_a_node_and_shows_rates(console, guard, page):
+    console.upload()
+    page.login("ada", "robots/turtle1/graph")
+    field = page.named("Search nodes and topics")
+    field.send_keys("control_lane", Keys.ENTER)
+    page.sees("Publishes", ".detail")
+    page.sees("/cmd_vel", ".detail")
+    page.until(lambda: any("/s" in each.text for each in page.all(".edge .rate")), "rates")
+    lit = [each.get_attribute("aria-label") for each in page.all(".lit > .press")]
+    assert "node /control_lane" in lit
+    assert "node /map_server" not in lit
+
+
+def test_the_keys_lead_through_the_graph(console, guard, page):
+    console.upload()
+    page.login("ada", "robots/turtle1/graph")
+    page.find(".picture .press")
+    page.find(".picture").send_keys(Keys.ARROW_RIGHT)
+    first = page.browser.switch_to.active_element
+    assert first.get_attribute("aria-label").startswith(("node ", "topic ", "GRCN "))
+    first.send_keys(Keys.ARROW_RIGHT)
+    second = page.browser.switch_to.active_element
+    assert second.rect["x"] > first.rect["x"]
+    second.send_keys(Keys.ENTER)
+    page.find(".detail")
+    second.send_keys(Keys.ESCAPE)
+    page.until(lambda: not page.all(".detail"))
+
+
+def test_the_graph_is_filtered_by_kind_and_domain(console, guard, page):
+    console.upload()
+    page.login("ada", "robots/turtle1/graph")
+    page.find(".picture .press")
+    everything = len(page.all(".picture .box"))
+    page.choose("Kind of risk", "RSR")
+    page.until(lambda: 0 < len(page.all(".picture .box")) < everything)
+    labels = {each.get_attribute("aria-label") for each in page.all(".picture .press")}
+    assert "node /rviz" not in labels
+    page.choose("Kind of risk", "")
+    page.choose("Domain", "Control")
+    page.until(lambda: 0 < len(page.all(".picture .box")) < everything)
+
+
+def test_risks_show_rule_cause_and_evidence_and_lead_to_the_graph(console, guard, page):
+    console.upload()
+    page.login("ada", "robots/turtle1/risks")
+    page.sees("44 of 44 risks")
+    page.find("input[type=search]").send_keys("move_base_simple")
+    page.sees("both publish /move_base_simple/goal")
+    page.press("in the graph")
+    page.sees("One risk only")
+    page.find("[aria-label='node /rviz']")
+
+
+def test_the_connection_is_lost_and_found_again(console, guard, page):
+    page.login()
+    page.sees("/control_lane", "table")
+    page.expect("ERR_")
+    page.browser.execute_cdp_cmd("Network.enable", {})
+    offline = {"latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
+    page.browser.execute_cdp_cmd("Network.emulateNetworkConditions", {"offline": True, **offline})
+    page.sees("Connection to the service lost")
+    assert page.all(".stale")
+    assert "live" not in [badge.text for badge in page.all(".bar .badge")]
+    online = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+    page.browser.execute_cdp_cmd("Network.emulateNetworkConditions", {"offline": False, **online})
+    page.until(lambda: not page.all(".banner"))
+    page.until(lambda: not page.all(".stale"))
+
+
+def test_events_come_page_by_page_and_live(guard, page):
+    from rtron.vocabulary import EventKind, Level  # noqa: PLC0415
+
+    guard.events(*(guard.guard.event(EventKind.OWNER, reason=f"old {n}.") for n in range(350)))
+    page.login("ada", "robots/turtle1/events")
+    page.choose("Kind", "owner") if page.all('[aria-label="Kind"]') else None
+    page.sees("old 349.")
+    assert "old 10." not in page.text()
+    for _ in range(12):
+        if "old 0." in page.text():
+            break
+        page.browser.execute_script("document.querySelector('#content').scrollTo(0, 1e9)")
+        page.until(lambda: "Loading" not in page.text())
+    page.sees("That is all.")
+    page.sees("old 0.")
+    guard.event(EventKind.RULE, level=Level.WARNING, reason="a new one")
+    page.sees("a new one")
+    numbers = [each.get_attribute("data-event") for each in page.all(".event")]
+    assert len(set(numbers)) == len(numbers)
+
+
+def test_an_admin_makes_a_user_a_token_and_a_webhook(console, page):
+    page.login("ada", "users")
+    page.press("New user …")
+    page.fill("name", "kim")
+    page.find("dialog input[name=password]").send_keys("a long enough word")
+    page.press("Create", "dialog")
+    page.sees("kim", "table")
+    page.go("tokens")
+    page.press("New token …")
+    page.fill("name", "guard.turtle1")
+    page.find("dialog input[name=guard]").click()
+    page.fill("robot", "turtle1")
+    page.press("Create", "dialog")
+    page.sees("shown once", "dialog")
+    secret = page.find(".secret").text
+    assert secret.startswith("rtron_")
+    page.press("Close", "dialog")
+    page.sees("guard.turtle1", "table")
+    assert secret not in page.browser.page_source
+    page.go("webhooks")
+    page.press("New webhook …")
+    page.fill("url", "https://alerts.example.org/")
+    page.press("Create", "dialog")
+    page.press("Close", "dialog")
+    page.sees("https://alerts.example.org/", "table")
+    page.go("audit")
+    page.sees("add user")
+
+
+def test_what_one_may_not_see_is_not_offered(page):
+    page.login("eva")
+    ways = page.find("nav.side").text
+    assert "Users" not in ways
+    assert "Audit log" not in ways
+
+
+def test_the_session_ends_on_the_login_page(page):
+    page.expect("401")
+    page.login("eva", "account")
+    page.press("Log out")
+    page.find("main.login")
+
+
+def test_the_theme_is_kept(page):
+    page.login()
+    page.named("Change the theme").click()
+    assert page.find("html").get_attribute("data-theme") == "light"
+    page.named("Change the theme").click()
+    page.browser.refresh()
+    assert page.find("html").get_attribute("data-theme") == "dark"
+    page.named("Change the theme").click()
+    assert page.find("html").get_attribute("data-theme") is None
+
+
+VIEWS = ("now", "graph", "risks", "nodes", "nodes/grcn_cmd_vel", "nodes/rsrcn", "nodes/msrcn")
+
+
+@pytest.mark.parametrize("view", [*VIEWS, "rules", "events", "settings"])
+def test_every_view_fits_a_phone(view, console, guard, page, chromium):
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", console_phone())
+    page.login("ada", f"robots/turtle1/{view}")
+    page.until(lambda: not page.all("[aria-busy]"))
+    wide = page.browser.execute_script(
+        "const c = document.getElementById('content');"
+        "return [document.documentElement.scrollWidth, c.scrollWidth - c.clientWidth];"
+    )
+    assert wide[0] <= 360
+    assert wide[1] <= 0
+    stop = page.find("#stop").rect
+    assert 0 <= stop["x"] <= 360 - stop["width"]
+
+
+def console_phone():
+    return {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}

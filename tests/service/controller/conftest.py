@@ -1,0 +1,32 @@
+import sys
+from pathlib import Path
+
+import pytest
+from controller_plans import World, hello, plan
+
+from rtron.service.store.database import Database
+
+sys.path.append(str(Path(__file__).parents[1] / "api"))
+
+
+@pytest.fixture
+def world(tmp_path):
+    """A controller that has met no robot yet."""
+    made = World(Database(tmp_path / "rtron.db"))
+    yield made
+    made.database.close()
+
+
+@pytest.fixture
+def met(world):
+    """A controller to which the guard of `r2` has said hello."""
+    world.controller.greet("r2", hello(plan()))
+    return world
+
+
+@pytest.fixture
+def anywhere(database):
+    """The same on a database of each kind."""
+    world = World(database)
+    world.controller.greet("r2", hello(plan()))
+    return world

@@ -1,0 +1,91 @@
+"""A PostgreSQL server of the tests' own: Debian's, on a free port, in a folder that is removed."""
+
+import os
+import shutil
+import socket
+import subprocess
+from contextlib import closing
+from itertools import count
+from pathlib import Path
+from tempfile import mkdtemp
+
+import pg8000.dbapi
+
+_PROGRAMS = Path("/usr/lib/postgresql")
+_STOP_S = 20
+_QUIET = {"fsync": "off", "listen_addresses": "127.0.0.1", "max_connections": "50"}
+
+
+def programs():
+    """Return the folder of the newest server's programs, None if there is no server."""
+    found = sorted(_PROGRAMS.glob("*/bin/postgres"), key=lambda path: int(path.parts[-3]))
+    return found[-1].parent if found else None
+
+
+class PostgreSQL:
+    """The server, until `stop`; the superuser `postgres` needs no password."""
+
+    def __init__(self):
+        self._folder = Path(mkdtemp(prefix="rtron-pg-"))
+        self._numbers = count()
+        self._port = _free_port()
+        self._user = "postgres" if os.geteuid() == 0 else None
+        if self._user:
+            shutil.chown(self._folder, self._user)
+        self._run(
+            "initdb", "-D", "data", "-U", "postgres", "-A", "trust", "-E", "UTF8", "--no-sync"
+        )
+        options = [f"-c {name}={value}" for name, value in _QUIET.items()]
+        options += [f"-c unix_socket_directories={self._folder}", f"-p {self._port}"]
+        self._run("pg_ctl", "start", "-w", "-D", "data", "-l", "log", "-o", " ".join(options))
+
+    def stop(self):
+        """End the server and remove its folder."""
+        try:
+            self._run("pg_ctl", "stop", "-w", "-m", "immediate", "-t", str(_STOP_S), "-D", "data")
+        finally:
+            shutil.rmtree(self._folder)
+
+    def new_database(self):
+        """Return the URL of a new, empty database."""
+        name = f"rtron{next(self._numbers)}"
+        with closing(self._connection()) as connection:
+            connection.autocommit = True
+            connection.cursor().execute(f"CREATE DATABASE {name}")
+        return f"postgresql://postgres@127.0.0.1:{self._port}/{name}"
+
+    def kill_connections(self):
+        """End every other connection, as a restart of the server would."""
+        query = (
+            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid()"
+        )
+        with closing(self._connection()) as connection:
+            connection.cursor().execute(f"{query} AND backend_type = 'client backend'")
+
+    def _connection(self):
+        return pg8000.dbapi.connect("postgres", "127.0.0.1", "postgres", self._port)
+
+    def _run(self, program, *args):
+        environ = {"PATH": os.environ["PATH"], "LC_ALL": "C.UTF-8"}
+        command = [str(programs() / program), *args]
+        done = subprocess.run(
+            command,
+            cwd=self._folder,
+            user=self._user,
+            group=self._user,
+            extra_groups=[] if self._user else None,
+            env=environ,
+            stdout=(out := (self._folder / "output").open("a")),
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            check=False,
+        )
+        out.close()
+        if done.returncode:
+            raise RuntimeError(f"{program}: {(self._folder / 'output').read_text()[-2000:]}")
+
+
+def _free_port():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]

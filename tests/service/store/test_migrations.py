@@ -1,0 +1,127 @@
+import sqlite3
+from contextlib import closing
+from threading import Thread
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from sqlalchemy import create_engine, inspect, text
+
+from rtron.errors import InputError, SourceError
+from rtron.service.store.database import Database
+from rtron.service.store.migrate import head, migrate
+from rtron.service.store.tables import Table
+
+
+def test_migrations_lead_to_the_tables(database):
+    with database.engine.connect() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_type": True})
+        assert compare_metadata(context, Table.metadata) == []
+        assert context.get_current_revision() == head()
+
+
+def test_partial_indexes_are_partial(database):
+    with database.engine.connect() as connection:
+        indexes = {each["name"]: each for each in inspect(connection).get_indexes("events")}
+    for name, condition in (("events_of_note", "info"), ("events_counts", "counts")):
+        options = indexes[name]["dialect_options"]
+        assert any(condition in str(value) for value in options.values())
+
+
+def test_a_missing_column_is_seen(database):
+    with database.engine.begin() as connection:
+        connection.execute(text("ALTER TABLE webhooks DROP COLUMN failing"))
+        assert compare_metadata(MigrationContext.configure(connection), Table.metadata)
+
+
+def test_migrating_again_changes_nothing(database):
+    with database.session() as session:
+        session.execute(text("INSERT INTO robots (name, created) VALUES ('r', 1)"))
+    migrate(database.engine)
+    with database.session() as session:
+        assert session.scalar(text("SELECT count(*) FROM robots")) == 1
+
+
+def test_services_that_start_at_once_migrate_in_turn(where):
+    failures = []
+
+    def open_it():
+        try:
+            Database(where).close()
+        except Exception as error:  # noqa: BLE001
+            failures.append(error)
+
+    threads = [Thread(target=open_it) for _ in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failures == []
+
+
+def test_a_newer_schema_is_refused(database, where):
+    with database.session() as session:
+        session.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(InputError, match=f"9999 is newer than this RTron's {head()}") as raised:
+        Database(where)
+    assert "newest RTron" in raised.value.help
+
+
+def test_tables_of_another_program_are_left_alone(tmp_path):
+    path = tmp_path / "other.db"
+    with closing(sqlite3.connect(path)) as other:
+        other.execute("CREATE TABLE users (name TEXT)")
+    with pytest.raises(InputError, match="another program: users"):
+        Database(path)
+    with closing(sqlite3.connect(path)) as other:
+        names = {row[0] for row in other.execute("SELECT name FROM sqlite_master")}
+    assert names == {"users"}
+
+
+def test_a_migration_that_fails_leaves_nothing(tmp_path, monkeypatch):
+    path = tmp_path / "rtron.db"
+    engine = create_engine(f"sqlite:///{path}")
+
+    def fail(*args, **kwargs):
+        raise RuntimeError("killed")
+
+    monkeypatch.setattr("alembic.runtime.migration.HeadMaintainer.update_to_step", fail)
+    with pytest.raises(RuntimeError, match="killed"):
+        migrate(engine)
+    with engine.connect() as connection:
+        assert inspect(connection).get_table_names() == []
+    monkeypatch.undo()
+    migrate(engine)
+    engine.dispose()
+
+
+@pytest.mark.parametrize(
+    "content", [b"no database at all, " * 500, b"SQLite format 3\0" + b"x" * 4096]
+)
+def test_a_file_that_is_no_database(tmp_path, content):
+    path = tmp_path / "notes.txt"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="not a database") as raised:
+        Database(path)
+    assert str(path) in str(raised.value)
+    assert path.read_bytes() == content
+
+
+def test_a_folder_that_is_not_there(tmp_path):
+    with pytest.raises(InputError, match="unable to open"):
+        Database(tmp_path / "none" / "rtron.db")
+
+
+@pytest.mark.parametrize(
+    ("url", "error"),
+    [
+        ("postgresql://me:hushhush@127.0.0.1:1/rtron", SourceError),
+        ("postgresql://me:hushhush@[::bad/rtron", InputError),
+        ("postgresql://me:hushhush@host:port/rtron", InputError),
+        ("mysql://me:hushhush@host/rtron", InputError),
+    ],
+)
+def test_a_wrong_url_is_told_without_its_password(url, error):
+    with pytest.raises(error) as raised:
+        Database(url)
+    assert "hushhush" not in f"{raised.value} {raised.value.help}"
