@@ -209,6 +209,7 @@ def test_who_comes_to_an_action_ends_no_goal():
     goals = braked.transport.listen("/rtron/act/goal/out")
     cancels = braked.transport.listen("/rtron/act/cancel/out")
     braked.intrude(topic="/act/goal")
+    assert braked.host.guarded[0].braked == ""
     say(braked, "/rtron/act/result/server", "/server", "actionlib/TestActionResult", b"")
     status = "actionlib_msgs/GoalStatusArray"
     say(braked, "/rtron/act/status/server", "/server", status, bytes(20))

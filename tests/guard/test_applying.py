@@ -16,6 +16,7 @@ from rtron.vocabulary import (
     SECOND,
     Decision,
     EmergencyStop,
+    Flow,
     FlowSettings,
     Mode,
     NodeSettings,
@@ -259,6 +260,31 @@ def test_a_rule_can_look_into_one_more_topic_of_its_type():
     other = replace(TWIST, md5sum="0" * 32)
     assert base.transport.publisher("/rtron/slow_vel/slowflow2", peer("/teleop", other))
     assert base.stream("/slow_vel")._md5sum == TWIST.md5sum
+
+
+def test_two_rules_look_into_a_topic_that_one_of_them_was_moved_to():
+    turning = replace(
+        PLAN.msrcn.aflows[0],
+        topic="/turn_vel",
+        flows=(Flow(name="aflow9", publisher="/turner"),),
+    )
+    fields = {"block": ("aflow9",), "action": "action.angular.z != 0.0"}
+    elsewhere = replace(PLAN.msrcn.rules[1], name="elsewhere", **fields)
+    msrcn = replace(
+        PLAN.msrcn,
+        aflows=(*PLAN.msrcn.aflows, turning),
+        rules=(*PLAN.msrcn.rules, elsewhere),
+    )
+    base = Base(replace(PLAN, msrcn=msrcn))
+    base.event("fire")
+    base.drive(0.4, turn=1.0)
+    base.apply(rule("elsewhere", block=("/cmd_vel",)))
+    base.drive(0.3, turn=1.0)
+    base.drive(0.9)
+    assert base.xs() == [0.4]
+    assert base.tally("flow1").last.reason == "rule not_fast: while fire"
+    base.drive(0.2)
+    assert base.xs() == [0.4, 0.2]
 
 
 def test_messages_of_another_version_than_a_moved_rule_is_written_for_refuse_it(base):

@@ -37,6 +37,7 @@ from rtron.vocabulary.in_force import (
     FASTEST,
     LONGEST,
     LONGEST_CONDITION,
+    LONGEST_CONDITIONS,
     LONGEST_NAME,
     LONGEST_TEXT,
     MOST_BLOCKED,
@@ -120,6 +121,7 @@ def test_settings_within_their_bounds_are_in_force():
         of("rsrcn", policy=PolicyName.SAFE_CONSTRAIN, threshold=0.2, max_vel_limit=1.0),
         a_rule("x" * LONGEST_NAME, **OWN),
         a_rule(when="a" * LONGEST_CONDITION, block=("/cmd_vel",) * MOST_BLOCKED),
+        of("msrcn", rules={n: RuleSettings(when="a" * 4096, block=("/cmd_vel",)) for n in "ab"}),
         a_rule("alert", selected=False),
         of("msrcn", rules={f"r{n}": RuleSettings(**OWN) for n in range(MOST_RULES - 1)}),
         Settings(overrides={"rsrcn": TimedOverride(by="x" * LONGEST_TEXT, reason="", until=0)}),
@@ -165,6 +167,17 @@ def test_the_bounds_themselves_are_within(settings):
         (a_rule("x" * (LONGEST_NAME + 1), **OWN), "a rule's name is a word"),
         (a_rule(when="a" * (LONGEST_CONDITION + 1), block=("/cmd_vel",)), "longer than"),
         (a_rule(when="true", block=("/cmd_vel",) * (MOST_BLOCKED + 1)), "blocks more than"),
+        (
+            of(
+                "msrcn",
+                rules={
+                    "a": RuleSettings(when="a" * 4096, block=("/cmd_vel",)),
+                    "b": RuleSettings(when="a" * 4096, block=("/cmd_vel",)),
+                    "alert": RuleSettings(when="a"),
+                },
+            ),
+            f"longer than {LONGEST_CONDITIONS} characters together",
+        ),
         (a_rule(when="true"), "a new one needs `when` and `block`"),
         (a_rule(when="true", block=("/elsewhere",)), "no aflow or topic that is called"),
         (a_rule("alert", block=("aflow2",)), "blocks aflow2, which it requires"),

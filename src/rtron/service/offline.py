@@ -19,7 +19,7 @@ _Model = TypeVar("_Model", bound=BaseModel)
 
 
 def make_token(database: Database, who: str, wanted: Mapping[str, object]) -> str:
-    """Make a token as NewToken says; return its secret. InputError, ConflictError if it is there."""
+    """Make a token as NewToken says; return its secret. ConflictError if it is there already."""
     new = _checked(NewToken, wanted)
     wish = TokenWish(name=new.name, scopes=new.scopes, robot=new.robot, days=new.days)
     deed = Deed(who=who, action="create token", target=new.name, detail=wanted)

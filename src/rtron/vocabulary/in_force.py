@@ -32,6 +32,8 @@ MOST_BLOCKED = 1000
 LONGEST_NAME = 255
 LONGEST_TEXT = 1000
 LONGEST_CONDITION = 4096
+LONGEST_CONDITIONS = 8192
+"""All conditions that settings have together: messages wait while they are read."""
 _WORD = re.compile("[A-Za-z][A-Za-z0-9_]*")
 _OF_GRCN = (
     PolicyName.BLOCK,
@@ -76,6 +78,8 @@ def _node(node: NodeSettings) -> Iterator[str]:
         yield from (f"{_short(name)}: {fault}" for fault in _flow(flow))
     if len(node.rules) > MOST_RULES:
         yield f"more than {MOST_RULES} rules"
+    if sum(len(rule.when or "") for rule in node.rules.values()) > LONGEST_CONDITIONS:
+        yield f"the conditions are longer than {LONGEST_CONDITIONS} characters together"
     for name, rule in node.rules.items():
         yield from (f"rule {_short(name)}: {fault}" for fault in _rule(name, rule))
 

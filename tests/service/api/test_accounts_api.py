@@ -3,6 +3,7 @@ from threading import Thread
 
 import pytest
 from site_of_tests import PASSWORD
+from sqlalchemy import create_engine
 
 DAY = 86_400
 USERS, TOKENS = "/api/v1/users", "/api/v1/tokens"
@@ -282,6 +283,4 @@ def test_it_is_not_ready_without_its_database(app, client, monkeypatch):
 
 
 def _gone(url):
-    from sqlalchemy import create_engine
-
     return create_engine(url.set(database="/nowhere/at/all.db"))

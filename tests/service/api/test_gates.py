@@ -95,7 +95,7 @@ def test_loopback_names_are_known(raw, host):
     ],
 )
 def test_other_names_are_not(raw, host):
-    status, headers, _ = raw(f"GET /healthz HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+    status, _, _ = raw(f"GET /healthz HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
     assert status in {400, 421}
 
 
@@ -162,7 +162,15 @@ def test_changes_come_from_our_own_pages_or_from_programs(client, port, admin):
 
 @pytest.mark.parametrize(
     "origin",
-    ["http://evil.example", "null", "http://127.0.0.1:1", "file://", "", "http://[", "http://127.0.0.1"],
+    [
+        "http://evil.example",
+        "null",
+        "http://127.0.0.1:1",
+        "file://",
+        "",
+        "http://[",
+        "http://127.0.0.1",
+    ],
 )
 def test_changes_from_other_pages_are_refused(client, admin, origin):
     assert origin_status(client, admin, Origin=origin) == 403
@@ -260,7 +268,7 @@ def test_only_a_few_large_bodies_are_read_at_a_time(port):
 
 
 def _has_answer(sock):
-    sock.setblocking(False)
+    sock.settimeout(0)
     try:
         return bool(sock.recv(1, socket.MSG_PEEK))
     except BlockingIOError:
@@ -298,7 +306,15 @@ def test_nesting_takes_linear_time():
 
 @pytest.mark.parametrize(
     "content",
-    [b"[" * 100_000, b'{"a":' * 1000, b'{"name": "a\\u0000b"}', b'{"name": "a\0b"}', b"{", b"\xff", b""],
+    [
+        b"[" * 100_000,
+        b'{"a":' * 1000,
+        b'{"name": "a\\u0000b"}',
+        b'{"name": "a\0b"}',
+        b"{",
+        b"\xff",
+        b"",
+    ],
 )
 def test_bad_json_is_a_problem_and_nothing_else(client, admin, content):
     headers = admin | {"Content-Type": "application/json"}
@@ -391,7 +407,9 @@ def test_no_path_leads_out(raw, people, path):
     assert b"root:" not in body
 
 
-@pytest.mark.parametrize("name", ["x%0d%0aSet-Cookie:%20a=b", "x%0aX-Evil:1", "%0d%0a%0d%0a<script>"])
+@pytest.mark.parametrize(
+    "name", ["x%0d%0aSet-Cookie:%20a=b", "x%0aX-Evil:1", "%0d%0a%0d%0a<script>"]
+)
 def test_no_header_is_injected(client, people, name):
     headers = people.token("t", "admin")
     for answer in (

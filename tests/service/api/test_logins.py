@@ -207,4 +207,8 @@ def test_old_sessions_make_room(client, mary, login, clock):
     for _ in range(21):
         clock.sleep(1)
         sessions.append(browser(login()))
-    assert [me(client, each) for each in (sessions[0], sessions[1], sessions[-1])] == [401, 200, 200]
+    assert [me(client, each) for each in (sessions[0], sessions[1], sessions[-1])] == [
+        401,
+        200,
+        200,
+    ]

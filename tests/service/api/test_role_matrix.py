@@ -96,7 +96,9 @@ def headers(site, tokens):
 
 def operations(app):
     return {
-        f"{method.upper()} {path}" for path, item in app.openapi()["paths"].items() for method in item
+        f"{method.upper()} {path}"
+        for path, item in app.openapi()["paths"].items()
+        for method in item
     }
 
 
@@ -156,4 +158,6 @@ def _called(client, operation, headers):
     path = path.replace("{webhook}", "999").replace("{node}", "none")
     path = re.sub(r"\{\w+\}", "nobody.x", path)
     client.cookies.clear()
-    return client.request(method, path, headers=headers, json={} if method != "GET" else None).status_code
+    return client.request(
+        method, path, headers=headers, json={} if method != "GET" else None
+    ).status_code

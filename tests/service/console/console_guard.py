@@ -61,12 +61,15 @@ class LinkedGuard:
             thread.join(10)
 
     def _tell(self):
+        before = self.guard.state()
         while not self._ends.wait(self._every):
+            now = self.guard.state()
             try:
-                self.events(self.guard.counted())
-                self.tell()
+                self.events(*self.guard.happened(before, now))
+                self.say(State(state=now))
             except ConnectionClosed:
                 return
+            before = now
 
     def _hear(self):
         try:

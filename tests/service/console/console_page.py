@@ -23,14 +23,18 @@ class Page:
 
     def __init__(self, browser, base, password):
         self.browser, self.base, self.password = browser, base, password
-        self._expected = ["/api/v1/me - Failed to load resource: the server responded with a status of 401"]
+        self._expected = [
+            "/api/v1/me - Failed to load resource: the server responded with a status of 401"
+        ]
 
     def expect(self, text):
         """Let the browser's console say this: a refusal that is part of the test."""
         self._expected.append(text)
 
     def expects(self, line):
-        return line["level"] in ("DEBUG", "INFO") or any(t in line["message"] for t in self._expected)
+        return line["level"] in ("DEBUG", "INFO") or any(
+            t in line["message"] for t in self._expected
+        )
 
     def login(self, name="ada", view=""):
         self.browser.get(f"{self.base}/#/{view}")

@@ -71,9 +71,24 @@ class Guard:
         self.number += 1
         return GuardEvent(run=self.run, number=self.number, at=time.time_ns(), kind=kind, **more)
 
-    def counted(self):
-        """Return the figures of the last second as the guard tells them."""
-        return self.event(EventKind.COUNTS, values={"streams": {}})
+    def happened(self, before, after):
+        """Return what the guard tells of the time between two states: counts, and new owners."""
+        old = {stream.topic: stream for stream in before.streams}
+        for stream in after.streams:
+            if stream.owner != old[stream.topic].owner:
+                yield self._owned(stream)
+        streams = {s.topic: _counts(old[s.topic], s) for s in after.streams}
+        yield self.event(EventKind.COUNTS, values={"streams": streams, "fps": dict(after.fps)})
+
+    def _owned(self, stream):
+        return self.event(
+            EventKind.OWNER,
+            node=stream.nodes[0],
+            topic=stream.topic,
+            flow=stream.owner,
+            publisher=stream.publisher,
+            reason="" if stream.owner else "idle",
+        )
 
     def steal(self):
         """Return what the guard tells when a stranger speaks on /cmd_vel."""
@@ -185,6 +200,21 @@ class Guard:
                 peer=self.intruder,
             ),
         )
+
+
+def _counts(before, after):
+    flows = {name: _more(before.flows[name], tally) for name, tally in after.flows.items()}
+    return {
+        "flows": flows,
+        "speed": after.speed,
+        "limit": after.limit,
+        "latency": list(after.latency),
+    }
+
+
+def _more(before, after):
+    names = ("passed", "held", "dropped", "modified")
+    return [getattr(after, name) - getattr(before, name) for name in names]
 
 
 def _further(plan, topic):

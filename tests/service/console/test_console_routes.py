@@ -105,5 +105,12 @@ def test_no_module_makes_markup_of_text():
     for name, asset in assets().items():
         if name.endswith(".js") and not name.startswith("vendor/"):
             text = asset.plain.decode()
-            for way in ("innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval(", "dangerouslySet"):
+            for way in (
+                "innerHTML",
+                "outerHTML",
+                "insertAdjacentHTML",
+                "document.write",
+                "eval(",
+                "dangerouslySet",
+            ):
                 assert way not in text, f"{name}: {way}"

@@ -112,4 +112,6 @@ class World:
         self.controller = Controller(self.database, self.guards, self.clock)
 
     def again(self) -> "World":
-        return World(Database(self.database.url.render_as_string(hide_password=False)), clock=self.clock)
+        return World(
+            Database(self.database.url.render_as_string(hide_password=False)), clock=self.clock
+        )

@@ -210,7 +210,9 @@ def test_of_two_changes_at_once_one_is_overtaken(anywhere):
     def ask(limit):
         both.wait()
         try:
-            anywhere.controller.change(END_USER, "r2", change(0, {"speed": {"max_vel_limit": limit}}))
+            anywhere.controller.change(
+                END_USER, "r2", change(0, {"speed": {"max_vel_limit": limit}})
+            )
             outcomes.append(limit)
         except RevisionError:
             outcomes.append(None)
@@ -276,7 +278,9 @@ def test_settings_that_no_longer_fit_are_left_out_as_a_new_revision(anywhere):
     anywhere.controller.change(DEVELOPER, "r2", change(0, two))
     sent = anywhere.controller.greet("r2", hello(swapped("id: drive", "id: wheels"), revision=1))
     assert sent == Settings(revision=2, nodes={"speed": NodeSettings(threshold=0.5)})
-    assert newest(anywhere).reason.startswith("the plan has changed, left out: no coordination node")
+    assert newest(anywhere).reason.startswith(
+        "the plan has changed, left out: no coordination node"
+    )
     assert [row.node for row in nodes(anywhere)] == ["wheels", "speed", "mission", "eyes"]
     assert anywhere.controller.greet("r2", hello(swapped("id: drive", "id: wheels"))).revision == 2
 
@@ -518,6 +522,11 @@ def test_a_stop_goes_out_even_if_it_cannot_be_stored(tmp_path):
     assert (view.revision, view.settings.stop.reason) == (3, "fire")
     assert world.controller.release(DEVELOPER, "r2", "all clear").settings.stop is None
     assert world.controller.greet("r2", hello(plan())).stop is None
+    world.database.full = True
+    with pytest.raises(SourceError):
+        world.controller.stop(END_USER, "r2", "flood")
+    _, sent = world.guards.pushed[-1]
+    assert (sent.revision, sent.stop.reason, sent.nodes) == (5, "flood", {})
     world.database.close()
 
 

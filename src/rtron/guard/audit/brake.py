@@ -31,7 +31,10 @@ class Brake:
     def let_go(self) -> None:
         """Let pass again what the policies let pass, which ends the stop; without it, go on."""
         self._holds = False
-        self._free()
+        if self._guarded.stopper.knows:
+            self._free()
+        else:
+            self._guarded.release(_BY)
 
     def listened(self) -> None:
         """Tell the stop to a node that has just begun to listen, if nothing was said since."""

@@ -25,13 +25,14 @@ class Rules:
     def __init__(self, plan: Plan, senses: Senses) -> None:
         self._senses = senses
         self._judges = ActionJudges(plan, senses.actions)
+        self._planned = _by_text(senses.mission.standings)
 
     def prepare(self, plan: Plan) -> RuleChange:
         """Return the rules of a plan, nothing changes yet; InputError if they cannot be."""
         judges = self._judges.of(plan.msrcn)
-        standings = self._senses.mission.standings
+        known = self._planned | _by_text(self._senses.mission.standings)
         planned = plan.msrcn.rules if plan.msrcn else ()
-        rules = tuple((rule, self._condition(rule, standings)) for rule in planned)
+        rules = tuple((rule, self._condition(rule.when, known)) for rule in planned)
         standings = self._senses.mission.with_rules(rules)
         return RuleChange(replace(self._senses, actions=judges), standings, rules)
 
@@ -39,8 +40,11 @@ class Rules:
         """Put rules in force."""
         self._senses.mission.replace(change.standings, change.rules, now)
 
-    def _condition(self, rule: Rule, standings: Mapping[str, Standing]) -> Condition:
-        before = standings.get(rule.name)
-        if before and before.rule.when == rule.when and isinstance(before.condition, Condition):
-            return before.condition
-        return Condition(rule.when, self._senses.mission.bits.named)
+    def _condition(self, text: str, known: Mapping[str, Condition]) -> Condition:
+        return known.get(text) or Condition(text, self._senses.mission.bits.named)
+
+
+def _by_text(standings: Mapping[str, Standing]) -> dict[str, Condition]:
+    """Return the conditions of rules that have been read already."""
+    conditions = (standing.condition for standing in standings.values())
+    return {each.text: each for each in conditions if isinstance(each, Condition)}

@@ -233,7 +233,7 @@ class Controller:
         if made:
             self._hub.push(robot, made)
             self._sent[robot] = made
-            self._unstored.pop(robot, None)
+            pass
             self._tell(robot, view)
         return view
 

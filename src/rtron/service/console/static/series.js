@@ -19,7 +19,7 @@ export function record(robot, state) {
   if (last && state.at < last.at) samples.length = 0;
   if (samples.length && state.at - last.at < EVERY) return;
   const streams = new Map([...state.streams].sort(watchedFirst).map((stream) => [stream.topic, stream]));
-  samples.push({ at: state.at, streams, fps: state.fps, rates: ratesOf(last, streams, state.at) });
+  samples.push({ at: state.at, counted: true, streams, fps: state.fps, rates: ratesOf(last, streams, state.at) });
   if (samples.length > KEPT) samples.splice(0, samples.length - KEPT);
 }
 
@@ -27,10 +27,10 @@ export function record(robot, state) {
 const watchedFirst = (a, b) => (a.mode === "enforce") - (b.mode === "enforce");
 
 function ratesOf(before, streams, at) {
-  const rates = new Map(), seconds = before && (at - before.at) / 1e9;
-  if (!before) return rates;
+  if (!before?.counted) return null;
+  const rates = new Map(), seconds = (at - before.at) / 1e9;
   for (const [topic, stream] of streams) for (const [flow, tally] of Object.entries(stream.flows)) {
-    const then = before.streams.get(topic)?.flows?.[flow];
+    const then = before.streams.get(topic)?.flows[flow];
     if (then) rates.set(rateKey(topic, flow), rated(WORDS.map((word) => Math.max(tally[word] - then[word], 0) / seconds)));
   }
   return rates;

@@ -71,7 +71,7 @@ function drawMore(b, y) {
 function drawEdge(e) {
   const kinds = ["GR-ST", "GR-MT"].filter((kind) => e.kinds.has(kind)).map((kind) => kind.toLowerCase());
   const looks = !e.ends.length ? [`watch ${e.coordination[0].kind.toLowerCase()}`] : kinds.length > 1 ? ["gr-st", "gr-mt over"] : [kinds[0] ?? ""];
-  const { d, start, end } = route(e), { x, y, side } = e.ends[0]?.publishes ? end : start;
+  const { d, start, end } = route(e), { x, y, side } = e.in.room > e.out.room ? end : start;
   e.label = words("", { class: e.ends.some(enforced) ? "rate" : "rate watched", x, y, "text-anchor": side > 0 ? "start" : "end" });
   e.element = shape("g", { class: e.ends.length ? "edge" : "edge lane" }, ...looks.map((look) => shape("path", { class: `line ${look}`, d, "marker-end": `url(#tip-${look.split(" ")[0] || "plain"})` })), e.label);
   e.flows = e.ends.flatMap(flowsOf);

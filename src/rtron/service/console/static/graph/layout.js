@@ -150,7 +150,7 @@ function ports(picture) {
   for (const ends of sides.values()) {
     ends.sort(([a], [b]) => a.toward - b.toward);
     const { h } = ends[0][1], step = Math.min((h - 12) / Math.max(ends.length - 1, 1), 14);
-    ends.forEach(([end], i) => { end.dy = (i - (ends.length - 1) / 2) * step; });
+    ends.forEach(([end], i) => Object.assign(end, { dy: (i - (ends.length - 1) / 2) * step, room: ends.length > 1 ? step : ROW }));
   }
 }
 

@@ -1,7 +1,7 @@
 // From a draft to settings in force: shown before and after, with what will happen, then sent.
 import { html } from "../html.js";
 import { at, get, patch } from "../api.js";
-import { said } from "../format.js";
+import { moment, said } from "../format.js";
 import { Notice } from "../parts.js";
 import { ask, loadSettings, store, takeSettings, toast } from "../store.js";
 import { effectsOf } from "./effects.js";
@@ -51,9 +51,16 @@ export function differences(before, after, path = "") {
   }
   if (JSON.stringify(before ?? null) === JSON.stringify(after ?? null)) return [];
   if (isObject(before) || isObject(after)) return differences(isObject(before) ? before : {}, isObject(after) ? after : {}, path);
-  const unit = NANOSECONDS.has(path.split(" · ").at(-1)) ? "s" : "";
-  return [{ what: path.replace(/^nodes · /, ""), before: said(before, unit), after: said(after, unit) }];
+  return [{ what: path.replace(/^nodes · /, ""), before: told(path, before), after: told(path, after) }];
 }
+
+// What is not set in a coordination node is as the plan says.
+function told(path, value) {
+  const key = path.split(" · ").at(-1);
+  if (value === null || value === undefined) return path.startsWith("nodes") ? "as the plan" : "none";
+  return TIMES.has(key) ? moment(value) : said(value, NANOSECONDS.has(key) ? "s" : "");
+}
+const TIMES = new Set(["until", "at"]);
 const NANOSECONDS = new Set(["release_after", "max_age", "max_hold", "timeout"]);
 const isObject = (value) => value !== null && typeof value === "object" && !Array.isArray(value);
 

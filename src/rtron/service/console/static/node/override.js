@@ -3,13 +3,12 @@ import { html, useState } from "../html.js";
 import { at, post, remove } from "../api.js";
 import { Badge, Card, Field, Left, Select } from "../parts.js";
 import { ask, takeSettings } from "../store.js";
-import { refusal } from "./fields.js";
 
 const TIMES = [["30", "30 s"], ["120", "2 min"], ["600", "10 min"], ["1800", "30 min"], ["3600", "1 h"]];
 
 export function Override({ robot, node, again }) {
-  const [time, setTime] = useState("120"), locked = refusal(node, "override") && "your role may not override";
-  if (node.type === "GRCN") return null;
+  const [time, setTime] = useState("120"), locked = node.rights.includes("override") ? "" : "your role may not override";
+  if (!["RSRCN", "MSRCN"].includes(node.type)) return null;
   return html`<${Card} title="Override" tools=${node.override && html`<${Badge} look="warn" icon="clock">overridden<//>`}>
     ${node.override ? html`<${Standing} robot=${robot} node=${node} locked=${locked} again=${again} />` : html`<div class="line bottom">
       <${Field} label="For"><${Select} value=${time} options=${TIMES} onChange=${setTime} disabled=${Boolean(locked)} /><//>

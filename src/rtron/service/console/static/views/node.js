@@ -63,12 +63,12 @@ export function Standing({ view }) {
 }
 
 const Violation = ({ node, robot }) => html`<${Card} title="Last violation" tools=${node.trigger_time && html`<span class="soft small"><${At} ns=${node.trigger_time} /> · <${Ago} ns=${node.trigger_time} /> ago</span>`}>
-  ${node.trigger_time ? html`<dl><dt>Violated rule</dt><dd>${node.violated_rule}</dd><dt>Violation cause</dt><dd>${node.violation_cause}</dd><dt>Violation details</dt><dd>${node.violation_details}</dd></dl>` : html`<p class="soft">None so far. It guards against: ${node.violated_rule || "risks of the plan"}</p>`}
+  ${node.trigger_time ? html`<dl><dt>Violated rule</dt><dd>${node.violated_rule}</dd><dt>Violation cause</dt><dd>${node.violation_cause}</dd><dt>Violation details</dt><dd>${node.violation_details}</dd></dl>` : html`<p class="soft">None so far.</p>`}
   <${Guarded} node=${node} robot=${robot} /><//>`;
 
 function Guarded({ node, robot }) {
   const risks = node.risk_information?.risks ?? [], number = node.risk_information?.number ?? risks.length;
-  return Array.isArray(risks) && risks.length > 0 && html`<p class="line small">${risks.slice(0, 3).map((risk) => risk.id && html`<a href=${`${to("robots", robot, "risks")}?text=${encodeURIComponent(risk.id)}`}>${risk.kind} ${(risk.topics ?? []).slice(0, 1).join("")}</a>`)}${number > 3 && html`<span class="soft">of ${plural(number, "risk")}</span>`}</p>`;
+  return Array.isArray(risks) && risks.length > 0 && html`<p class="line small"><span class="soft">Guards against</span>${risks.slice(0, 3).map((risk) => risk.id && html`<a href=${`${to("robots", robot, "risks")}?text=${encodeURIComponent(risk.id)}`}>${risk.kind} ${(risk.topics ?? []).slice(0, 1).join("")}</a>`)}${number > 3 && html`<span class="soft">of ${plural(number, "risk")}</span>`}</p>`;
 }
 
 function Foot({ form, onReview }) {
@@ -94,13 +94,14 @@ function chartsOf(node, plan) {
   return topic ? [verdicts(topic), latency] : [];
 }
 
-const flowLines = (topic, flows, value) => flows.slice(0, 6).map((flow) => ({ label: `${flow.name} ${flow.publisher}`, value: (s) => value(s.rates.get(rateKey(topic, flow.name))) }));
+const flowLines = (topic, flows, value) => flows.slice(0, 6).map((flow) => ({ label: `${flow.name} ${flow.publisher}`, value: (s) => value(s.rates?.get(rateKey(topic, flow.name))) }));
 const speed = (topic) => ({ title: `Velocity and limit, ${topic}`, unit: "m/s", digits: 2, lines: [{ label: "velocity", value: (s) => s.streams.get(topic)?.speed }, { label: "limit", value: (s) => s.streams.get(topic)?.limit, colour: "--c5" }] });
 const fps = (iflows, plan) => ({ title: "Frames", unit: "fps", lines: (plan?.fps_monitor ?? []).filter((m) => iflows.some((i) => i.publisher === m.node)).slice(0, 6).map((m) => ({ label: m.node, value: (s) => s.fps[m.id] })) });
 
 const VERDICTS = [["passed", "--c3"], ["modified", "--c1"], ["held", "--c2"], ["dropped", "--c5"]];
 const verdicts = (topic) => ({ title: `Verdicts, ${topic}`, unit: "1/s", lines: VERDICTS.map(([word, colour]) => ({ label: word, colour, value: (s) => sum(s, topic, word) })) });
 function sum(sample, topic, word) {
+  if (!sample.rates) return null;
   let total = 0;
   for (const [key, rate] of sample.rates) if (key.startsWith(`${topic} `)) total += rate[word];
   return total;

@@ -1,6 +1,6 @@
 // Who controls each robot now, and why; what is wrong; what settings are in force.
 import { html, useEffect } from "../html.js";
-import { At, Ago, Badge, Card, Empty, Notice, Outcome } from "../parts.js";
+import { At, Ago, Badge, Card, Empty, Left, Notice, Outcome } from "../parts.js";
 import { figure, plural, rate } from "../format.js";
 import { Icon } from "../icons.js";
 import { to } from "../router.js";
@@ -59,7 +59,7 @@ function Alerts({ robot }) {
     robot.connected && state && store.link === "live" && !isLive(robot) && html`<${Notice} look="bad" icon="warning">The guard is connected but has been silent for ${figure((performance.now() - robot.heard) / 1000, 0)} s: what is shown is old.<//>`,
     settings?.outcome === "refused" && html`<${Notice} look="bad" icon="error">Revision ${settings.revision} was refused by the guard: ${settings.error}. What was in force before still is.<//>`,
     ...(state?.alarms ?? []).map((alarm) => html`<${Notice} look="bad" icon="error"><p><b>${alarm.kind}</b>${alarm.topic && html` · <code>${alarm.topic}</code>`}</p><p>${alarm.reason}</p><//>`),
-    ...Object.entries(settings?.settings.overrides ?? {}).filter(([id]) => state?.overridden.includes(id)).map(([id, o]) => html`<${Notice} look="warn" icon="clock"><a href=${to("robots", robot.name, "nodes", id)}>${id}</a> is overridden by ${o.by}: ${o.reason}<//>`),
+    ...Object.entries(settings?.settings.overrides ?? {}).filter(([id]) => state?.overridden.includes(id)).map(([id, o]) => html`<${Notice} look="warn" icon="clock"><a href=${to("robots", robot.name, "nodes", id)}>${id}</a> is overridden by ${o.by}: ${o.reason} · <b><${Left} until=${o.until} /></b> left<//>`),
   ].filter(Boolean);
   return notices.length > 0 && html`<div class="alerts">${notices}</div>`;
 }
