@@ -21,6 +21,7 @@ from rtron.vocabulary import (
     Mode,
     NodeSettings,
     PolicyName,
+    Rule,
     RuleSettings,
     Settings,
     TimedOverride,
@@ -210,6 +211,24 @@ def test_a_rule_of_the_user_s_own_holds_at_once(base):
     assert base.xs()[-1] == 0.3
     base.event("red")
     assert "own" not in [n for n, s in base.host.senses.mission.standings.items() if s.blocks]
+
+
+def test_what_a_rule_requires_is_seen_as_long_as_the_rule_counts():
+    slow_first = Rule(name="slow_first", when="fire", block=("/cmd_vel",), require="aflow3")
+    msrcn = replace(PLAN.msrcn, rules=(slow_first,))
+    base = Base(replace(PLAN, msrcn=msrcn))
+    base.event("fire")
+    base.drive(0.1)
+    base.apply(rule("slow_first", selected=False))
+    base.drive(0.2)
+    base.ask(1.0)
+    base.apply(rule("slow_first", revision=3, selected=True))
+    base.transport.advance(2 * SECOND)
+    base.drive(0.3)
+    base.ask(1.0)
+    base.drive(0.4)
+    assert [x for x in base.xs() if x in (0.1, 0.2, 0.3, 0.4)] == [0.2, 0.4]
+    assert base.asked() == [1.0, 1.0]
 
 
 def test_another_condition_of_a_rule_is_asked_at_once(base):

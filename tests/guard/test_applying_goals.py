@@ -127,6 +127,25 @@ def test_a_goal_that_no_queue_let_go_is_in_progress_in_the_queue_that_comes(befo
     assert act.started() == [b"a", b"b"]
 
 
+@pytest.mark.parametrize("before", [PolicyName.BLOCK, PolicyName.PREEMPTION])
+def test_a_goal_that_is_over_is_not_in_progress_in_the_queue_that_comes(before):
+    act = Changed(before)
+    act.serve()
+    act.ask(ONE, b"a")
+    act.finish(b"a")
+    act.put(policy=PolicyName.FIFO_QUEUE)
+    act.ask(TWO, b"b")
+    assert act.started() == [b"a", b"b"]
+
+
+def test_what_should_have_left_before_the_change_leaves_with_it(act):
+    waiting(act)
+    act.transport._time += 60 * SECOND
+    act.action.server.at = act.transport.now()
+    act.put(policy=PolicyName.PRIORITY_QUEUE)
+    assert act.answers() == [(id, RECALLED) for id in (b"b", b"c", b"d")]
+
+
 def test_a_goal_past_the_guard_is_in_progress_in_the_queue_that_comes():
     act = Changed(PolicyName.PREEMPTION)
     act.serve(*active(b"own"))

@@ -165,6 +165,12 @@ def test_what_the_plan_does_not_have(settings, told):
     assert (left, lost) == (Settings(revision=7), (str(caught.value),))
 
 
+def test_a_long_name_is_told_in_short():
+    with pytest.raises(MisfitError) as caught:
+        effective(PLAN, one("speed", flows={"f" * 1_000_000: FlowSettings()}))
+    assert len(str(caught.value)) < 200
+
+
 def test_what_fits_stays_under_another_plan():
     override = TimedOverride(by="me", reason="why", until=1)
     good = {"speed": NodeSettings(threshold=0.5)}

@@ -29,9 +29,8 @@ class PatientProtocol(H11Protocol):
     _deadline: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait for a request, which is logged nowhere."""
+        """Begin to wait for a request."""
         super().connection_made(transport)
-        self.access_log = False
         self._wait_for_head()
 
     def data_received(self, data: bytes) -> None:
@@ -89,7 +88,6 @@ def settings(config: Config) -> dict[str, Any]:
         "h11_max_incomplete_event_size": _LONGEST_HEAD,
         "limit_concurrency": _MOST_CONNECTIONS,
         "timeout_graceful_shutdown": _LINGER_S,
-        "access_log": False,
         "log_level": "warning",
         "server_header": False,
         "log_config": None,

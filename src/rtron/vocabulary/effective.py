@@ -9,6 +9,7 @@ from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, Flow, GuardedTopic, Plan, 
 from rtron.vocabulary.settings import FlowSettings, NodeSettings, RuleSettings, Settings
 
 N = TypeVar("N", GRCN, RSRCN, MSRCN)
+_SHOWN = 80
 
 
 class MisfitError(Exception):
@@ -131,7 +132,7 @@ def _own_rule(node: MSRCN, name: str, settings: RuleSettings) -> Iterator[Rule]:
 
 
 def _refuse(left: Iterable[str], what: str, known: Iterable[str]) -> None:
-    for name in left:
+    for name in (each[:_SHOWN] for each in left):
         raise MisfitError(f"no {what} is called {name}: {_near(name, sorted(known))}")
 
 

@@ -1,9 +1,13 @@
 import json
 from threading import Thread
 
+import httpx
 import pytest
-from site_of_tests import PASSWORD
-from sqlalchemy import create_engine
+from site_of_tests import PASSWORD, People, served
+from sqlalchemy import create_engine, text
+
+from rtron.service.app import create_app
+from rtron.service.config import Config
 
 DAY = 86_400
 USERS, TOKENS = "/api/v1/users", "/api/v1/tokens"
@@ -280,6 +284,45 @@ def test_it_is_not_ready_without_its_database(app, client, monkeypatch):
     assert answer.status_code == 503
     assert answer.json()["error"] == "the database does not answer"
     assert client.get("/healthz").status_code == 200
+
+
+def test_a_database_that_fails_is_told_without_what_was_to_be_stored(
+    app, client, admin, monkeypatch, caplog
+):
+    with app.state.service.database.session() as session:
+        session.execute(
+            text(
+                "CREATE TRIGGER full BEFORE INSERT ON users BEGIN SELECT RAISE(ABORT, 'full'); END"
+            )
+        )
+    answer = client.post(USERS, json=NEW, headers=admin)
+    assert answer.status_code == 503
+    assert answer.json()["error"] == "the database does not answer"
+    assert "the database failed: IntegrityError" in caplog.text
+    assert "argon2" not in caplog.text
+
+
+def test_all_of_it_works_on_each_kind_of_database(where, clock):
+    app = create_app(Config(database=where), clock)
+    people = People(app.state.service)
+    admin = people.session("root", "admin", "developer")
+    people.user("mary", "end_user")
+    with (
+        served(app) as port,
+        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=30) as client,
+    ):
+        login = {"name": "mary", "password": PASSWORD}
+        assert client.post("/api/v1/login", json=login).status_code == 200
+        client.cookies.clear()
+        assert client.post(USERS, json=NEW | {"name": "new"}, headers=admin).status_code == 201
+        assert make(client, admin).status_code == 201
+        assert client.delete(f"{USERS}/root", headers=admin).status_code == 409
+        change = {"disabled": True}
+        assert client.patch(f"{USERS}/mary", json=change, headers=admin).status_code == 200
+        asked = ("/metrics", "/readyz", "/api/v1/audit", "/api/v1/events?text=x", "/api/v1/robots")
+        for path in asked:
+            assert client.get(path, headers=admin).status_code == 200
+        assert client.get("/api/v1/robots/x/figures", headers=admin).status_code == 404
 
 
 def _gone(url):

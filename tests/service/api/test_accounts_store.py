@@ -54,6 +54,9 @@ def test_sessions(database):
         assert (found[0].csrf, found[1].name) == (login.csrf, "mary")
         assert find_login(session, 111, hashed, LIFETIME) is None
         assert find_login(session, 10, login.secret, LIFETIME) is None
+        found[1].disabled = True
+        session.flush()
+        assert find_login(session, 110, hashed, LIFETIME) is None
 
 
 def test_tokens(database):

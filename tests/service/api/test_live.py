@@ -30,11 +30,14 @@ def until_listened(app):
 
 def ended(socket):
     """Return the code that a socket is closed with."""
+    with pytest.raises(ConnectionClosed) as closed:
+        drain(socket)
+    return closed.value.rcvd.code
+
+
+def drain(socket):
     while True:
-        try:
-            socket.recv(timeout=20)
-        except ConnectionClosed as closed:
-            return closed.rcvd.code
+        socket.recv(timeout=20)
 
 
 def test_what_is_live_is_told(app, people, listening):

@@ -23,7 +23,6 @@ ARGUMENTS = (
     "--disable-gpu",
     "--disable-dev-shm-usage",
 )
-PHONE = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
 
 
 class Console:

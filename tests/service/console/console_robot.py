@@ -1,5 +1,6 @@
 """A robot for the console: AutoRace under a plan, and what its guard would tell about it."""
 
+import json
 import math
 import time
 from dataclasses import replace
@@ -54,6 +55,20 @@ def plan(app="autorace"):
     )
     msrcn = replace(found.msrcn, rules=RULES)
     return replace(found, app=app, rsrcn=rsrcn, msrcn=msrcn)
+
+
+def large_graph():
+    """Return two apps on one robot, 46 nodes and 224 topics, as `rtron.graph/1`."""
+    graph = json.loads(FIXTURE.read_text())
+    other = json.loads(FIXTURE.with_name("home.json").read_text())
+    for node in other["nodes"]:
+        node["name"] = f"/home{node['name']}"
+    for topic in other["topics"]:
+        topic["name"] = f"/home{topic['name']}"
+    for end in other["endpoints"]:
+        end["node"], end["topic"] = f"/home{end['node']}", f"/home{end['topic']}"
+    parts = {name: [*graph[name], *other[name]] for name in ("nodes", "topics", "endpoints")}
+    return json.dumps({**graph, **parts}).encode()
 
 
 class Guard:

@@ -1,7 +1,10 @@
 """The console in a real browser, against the real service and a simulated guard."""
 
 import pytest
+from console_robot import large_graph
 from selenium.webdriver.common.keys import Keys
+
+from rtron.vocabulary import EventKind, Level
 
 
 def test_a_wrong_password_is_told_and_the_right_one_lets_in(console, page):
@@ -242,6 +245,40 @@ def test_the_graph_is_filtered_by_kind_and_domain(console, guard, page):
     page.until(lambda: 0 < len(page.all(".picture .box")) < everything)
 
 
+def test_a_large_graph_is_drawn_whole_and_nothing_covers_another(console, guard, page):
+    console.upload(data=large_graph())
+    page.login("ada", "robots/turtle1/graph")
+    page.press("Leaf topics")
+    page.until(lambda: labels(page, "node ") == 46)
+    overlaps = page.browser.execute_script("""
+        const boxes = [...document.querySelectorAll(".box")].map((b) => b.getBoundingClientRect());
+        return boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) =>
+            a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)).length;
+    """)
+    assert overlaps == 0
+    for _ in range(30):
+        page.named("Zoom in").click()
+    before = page.find(".world").get_attribute("transform")
+    page.press("All")
+    page.until(lambda: page.find(".world").get_attribute("transform") != before)
+
+
+def labels(page, beginning):
+    """Count the parts of the picture whose label begins so."""
+    return len(page.all(f'.picture .press[aria-label^="{beginning}"]'))
+
+
+def test_all_robots_are_stopped_but_those_left_out(console, guard, page):
+    other, third = console.guard("turtle2"), console.guard("turtle3")
+    page.login("eva")
+    page.sees("3 connected")
+    page.press("Emergency stop")
+    page.find("dialog label:nth-child(2) input").click()
+    page.press("Stop them now", "dialog")
+    page.until(lambda: guard.settings[-1].stop and third.settings[-1].stop)
+    assert other.settings[-1].stop is None
+
+
 def test_risks_show_rule_cause_and_evidence_and_lead_to_the_graph(console, guard, page):
     console.upload()
     page.login("ada", "robots/turtle1/risks")
@@ -270,11 +307,8 @@ def test_the_connection_is_lost_and_found_again(console, guard, page):
 
 
 def test_events_come_page_by_page_and_live(guard, page):
-    from rtron.vocabulary import EventKind, Level  # noqa: PLC0415
-
     guard.events(*(guard.guard.event(EventKind.OWNER, reason=f"old {n}.") for n in range(350)))
     page.login("ada", "robots/turtle1/events")
-    page.choose("Kind", "owner") if page.all('[aria-label="Kind"]') else None
     page.sees("old 349.")
     assert "old 10." not in page.text()
     for _ in range(12):
@@ -344,12 +378,13 @@ def test_the_theme_is_kept(page):
     assert page.find("html").get_attribute("data-theme") is None
 
 
+PHONE = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
 VIEWS = ("now", "graph", "risks", "nodes", "nodes/grcn_cmd_vel", "nodes/rsrcn", "nodes/msrcn")
 
 
 @pytest.mark.parametrize("view", [*VIEWS, "rules", "events", "settings"])
 def test_every_view_fits_a_phone(view, console, guard, page, chromium):
-    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", console_phone())
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", PHONE)
     page.login("ada", f"robots/turtle1/{view}")
     page.until(lambda: not page.all("[aria-busy]"))
     wide = page.browser.execute_script(
@@ -360,7 +395,3 @@ def test_every_view_fits_a_phone(view, console, guard, page, chromium):
     assert wide[1] <= 0
     stop = page.find("#stop").rect
     assert 0 <= stop["x"] <= 360 - stop["width"]
-
-
-def console_phone():
-    return {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}

@@ -1,5 +1,7 @@
 """Names, reasons and messages come from strangers: the browser shows them and runs nothing."""
 
+from dataclasses import replace
+
 import pytest
 from console_guard import hostile
 from console_robot import plan
@@ -106,8 +108,6 @@ def test_the_policy_of_the_page_forbids_what_is_inline(page):
 
 
 def test_a_flow_called_like_a_part_of_every_object_is_a_flow(console, page):
-    from dataclasses import replace  # noqa: PLC0415
-
     found = plan()
     first = found.grcn[0]
     flows = (replace(first.flows[0], name="__proto__"), *first.flows[1:])

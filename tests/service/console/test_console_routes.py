@@ -2,6 +2,7 @@
 
 import gzip
 import re
+from importlib.resources import files
 
 import httpx
 import pytest
@@ -84,8 +85,6 @@ def test_nothing_else_is_given(path, get):
 
 
 def test_the_library_for_the_layout_is_not_shipped_twice():
-    from importlib.resources import files  # noqa: PLC0415
-
     once = files("rtron.reports") / "page" / "dagre.min.js"
     assert assets()["vendor/dagre.min.js"].plain == once.read_bytes()
 

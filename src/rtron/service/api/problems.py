@@ -7,6 +7,7 @@ from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
@@ -50,6 +51,7 @@ def handle_problems(app: FastAPI) -> None:
     app.add_exception_handler(RTronError, _ours)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(SQLAlchemyError, _database)
 
 
 def status_of(error: RTronError) -> int:
@@ -78,6 +80,13 @@ async def _invalid(_request: Request, error: Exception) -> Response:
 async def _http(_request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)  # noqa: S101 - registered for it alone
     return problem(error.status_code, str(error.detail), headers=error.headers)
+
+
+async def _database(request: Request, error: Exception) -> Response:
+    """Log the kind only: the text of such an error has the values of the statement."""
+    log.error("%s: the database failed: %s", request.method, type(error).__name__)
+    help = "try again; the service's log says more"
+    return problem(HTTPStatus.SERVICE_UNAVAILABLE, "the database does not answer", help)
 
 
 def _writable(text: str) -> str:

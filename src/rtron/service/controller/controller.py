@@ -233,7 +233,7 @@ class Controller:
         if made:
             self._hub.push(robot, made)
             self._sent[robot] = made
-            pass
+            self._unstored.pop(robot, None)
             self._tell(robot, view)
         return view
 

@@ -72,6 +72,7 @@ function nextTheme() {
   notify("theme");
 }
 
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => notify("theme"));
 get("/me").then(enter, () => {}).then(() => {
   store.started = true;
   render(html`<${App} />`, document.getElementById("app"));

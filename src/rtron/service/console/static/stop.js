@@ -1,23 +1,32 @@
 // The emergency stop: one press and one to confirm, for every role, on every page.
-import { html } from "./html.js";
+import { html, useState } from "./html.js";
 import { at, post, remove } from "./api.js";
 import { plural } from "./format.js";
 import { Icon } from "./icons.js";
+import { Notice } from "./parts.js";
 import { ask, store, takeSettings, toast } from "./store.js";
 
 export const StopButton = ({ robot }) => html`<button class="stop" id="stop" onClick=${() => askStop(robot)}><${Icon} name="stop" />Emergency stop</button>`;
 
-// The robot in view is asked about first; without one, all that can be stopped.
+// The robot in view is asked about; without one, all that are known, each of which can be left out.
 function askStop(robot) {
-  const names = robot ? [robot] : [...store.robots.keys()];
+  const names = robot ? [robot] : [...store.robots.keys()], chosen = new Set(names), one = names.length === 1;
   if (!names.length) return toast("warning", "No robot is known yet.");
   ask({
-    title: names.length === 1 ? `Stop ${names[0]}` : `Stop all ${names.length} robots`, icon: "stop", danger: true, confirm: names.length === 1 ? `Stop ${names[0]} now` : "Stop them all now", focus: false,
-    body: html`<div class="stack"><p class="hidden">Press Enter to stop.</p>${names.filter((name) => !store.robots.get(name)?.connected).map((name) => html`<div class="notice warn"><${Icon} name="warning" /><div>The guard of ${name} is not connected: it stops as soon as it is again.</div></div>`)}</div>`,
+    title: one ? `Stop ${names[0]}` : `Stop ${names.length} robots`, icon: "stop", danger: true, confirm: one ? `Stop ${names[0]} now` : "Stop them now",
+    body: html`<${Which} names=${names} chosen=${chosen} />`,
     effects: ["The guard stops what moves and cancels goals in progress.", "Nothing that moves the robot passes until somebody ends the stop, whatever policies say."],
     reason: { label: "Reason (may be left empty)", least: 0 },
-    act: (reason) => stopAll(names, reason),
+    act: (reason) => stopAll([...chosen], reason),
   });
+}
+
+function Which({ names, chosen }) {
+  const [, draw] = useState(0);
+  const toggle = (name) => { if (!chosen.delete(name)) chosen.add(name); draw((n) => n + 1); };
+  const away = names.filter((name) => !store.robots.get(name)?.connected);
+  return html`<div class="stack">${names.length > 1 && html`<div class="checks">${names.map((name) => html`<label><input type="checkbox" checked=${chosen.has(name)} onChange=${() => toggle(name)} />${name}</label>`)}</div>`}
+    ${away.length > 0 && html`<${Notice} look="warn" icon="warning">Not connected: ${away.join(", ")}. A guard that is not connected stops its robot as soon as it is again; use the robot's own stop.<//>`}</div>`;
 }
 
 async function stopAll(names, reason) {

@@ -25,7 +25,7 @@ const dashAt = (line, i) => line.dash ?? DASHES[i % DASHES.length];
 const Key = ({ at, line }) => html`<svg viewBox="0 0 16 8" aria-hidden="true"><path d="M0 4H16" stroke=${`var(${colourAt(line, at)})`} stroke-width="2" stroke-dasharray=${dashAt(line, at).join(" ")} /></svg>`;
 
 function Plot({ robot, lines, label }) {
-  const element = useRef(null), dark = document.documentElement.dataset.theme;
+  const element = useRef(null), theme = styleOf("--ground");
   const names = lines.map((line) => line.label).join();
   useEffect(() => {
     const plot = new window.uPlot(options(element.current, lines), columns(robot, lines), element.current);
@@ -34,7 +34,7 @@ function Plot({ robot, lines, label }) {
     resize.observe(element.current);
     const end = listen(`state ${robot}`, draw);
     return () => { end(); resize.disconnect(); plot.destroy(); };
-  }, [robot, names, dark]);
+  }, [robot, names, theme]);
   return html`<div class="chart" ref=${element} role="img" aria-label=${label}></div>`;
 }
 

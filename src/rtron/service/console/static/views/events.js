@@ -17,17 +17,18 @@ const FIELDS = ["kind", "level", "node", "topic", "text", "since", "until"];
 export function Events({ robot }) {
   useStore("link");
   const [filter, setFilter] = useState(() => Object.fromEntries(FIELDS.map((name) => [name, query().get(name) ?? ""])));
-  const [chosen, setChosen] = useState(""), pages = usePages({ ...filter, robot: robot ?? chosen });
+  const [chosen, setChosen] = useState(""), [more, setMore] = useState(false), pages = usePages({ ...filter, robot: robot ?? chosen });
   const set = (name) => (value) => setFilter({ ...filter, [name]: value });
-  const Text = (name, label, more) => html`<${Field} label=${label} look=${more ? "time" : ""}><input value=${filter[name]} maxlength="300" ...${more} onChange=${(e) => set(name)(e.target.value)} /><//>`;
+  const Text = (name, label, extra) => html`<${Field} label=${label} look=${`later ${extra ? "time" : ""}`}><input value=${filter[name]} maxlength="300" ...${extra} onChange=${(e) => set(name)(e.target.value)} /><//>`;
   return html`<div class="head"><h1>Events${robot ? ` of ${robot}` : ""}</h1><${Following} pages=${pages} /></div>
-    <div class="filters" role="search">
+    <div class=${`filters ${more ? "" : "folded"}`} role="search">
       ${!robot && html`<${Field} label="Robot"><${Select} value=${chosen} options=${[["", "all"], ...[...store.robots.keys()].map((n) => [n, n])]} onChange=${setChosen} /><//>`}
       <${Field} label="Level"><${Select} value=${filter.level} options=${LEVELS} onChange=${set("level")} /><//>
       <${Field} label="Kind"><${Select} value=${filter.kind} options=${[["", "all but counts"], ...KINDS.map((k) => [k, k])]} onChange=${set("kind")} /><//>
       ${Text("node", "Coordination node")}${Text("topic", "Topic")}
       <${Field} label="Words in the reason" grow><input type="search" value=${filter.text} maxlength="300" onChange=${(e) => set("text")(e.target.value)} /><//>
       ${Text("since", "From", { type: "datetime-local" })}${Text("until", "Until", { type: "datetime-local" })}
+      <button class="unfold" aria-expanded=${more ? "true" : "false"} onClick=${() => setMore(!more)}>${more ? "Fewer filters" : "More filters"}</button>
     </div>
     ${pages.error && html`<${Problem} error=${pages.error} />`}
     <section class="card events" aria-label="Events, newest first">${withDays(pages.events.filter((e) => filter.kind || e.kind !== "counts")).map((part) => part.event ? html`<${EventLine} key=${part.event.id} event=${part.event} named=${!robot} />` : html`<div class="day" key=${part.day}>${part.day}</div>`)}
