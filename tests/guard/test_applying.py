@@ -213,7 +213,7 @@ def test_a_rule_of_the_user_s_own_holds_at_once(base):
     assert "own" not in [n for n, s in base.host.senses.mission.standings.items() if s.blocks]
 
 
-def test_what_a_rule_requires_is_seen_as_long_as_the_rule_counts():
+def test_what_a_rule_requires_is_seen_as_long_as_the_rule_counts(caplog):
     slow_first = Rule(name="slow_first", when="fire", block=("/cmd_vel",), require="aflow3")
     msrcn = replace(PLAN.msrcn, rules=(slow_first,))
     base = Base(replace(PLAN, msrcn=msrcn))
@@ -229,6 +229,7 @@ def test_what_a_rule_requires_is_seen_as_long_as_the_rule_counts():
     base.drive(0.4)
     assert [x for x in base.xs() if x in (0.1, 0.2, 0.3, 0.4)] == [0.2, 0.4]
     assert base.asked() == [1.0, 1.0]
+    assert "internal error" not in caplog.text
 
 
 def test_another_condition_of_a_rule_is_asked_at_once(base):

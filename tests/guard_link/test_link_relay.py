@@ -38,7 +38,7 @@ class Guard:
         self.line.open()
 
     def greeting(self):
-        return hello(self.run, revision=self.revision)
+        return hello(self.run, settings=Settings(revision=self.revision))
 
     def state(self):
         return State(state=GuardState(at=1, revision=self.revision))

@@ -162,6 +162,7 @@ def test_the_bounds_themselves_are_within(settings):
         (of("rsrcn", policy=PolicyName.CONSTRAIN), "rsrcn: Constrain needs max_vel_limit"),
         (of("rsrcn", policy=PolicyName.SAFE), "Safe needs a threshold and an fps_monitor"),
         (of("rsrcn", policy=PolicyName.SAFE, threshold=0.1999), "is too low"),
+        (of("grcn", rules={"own": RuleSettings(**OWN)}), "grcn has no rules"),
         (a_rule("no word", **OWN), "a rule's name is a word"),
         (a_rule("", **OWN), "a rule's name is a word"),
         (a_rule("x" * (LONGEST_NAME + 1), **OWN), "a rule's name is a word"),

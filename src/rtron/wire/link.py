@@ -23,7 +23,7 @@ LONGEST = 1 << 22
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hello:
-    """A guard begins to talk: who it is, what it guards, and which settings it has applied.
+    """A guard begins to talk: who it is, what it guards, and the settings that it has in force.
 
     `robot` is filled in by the link process. `run` is this life of the guard, `began` (ns, wall).
     """
@@ -35,9 +35,14 @@ class Hello:
     version: str
     robot: str = ""
     dry_run: bool = False
-    revision: int = 0
+    settings: Settings = Settings()  # noqa: RUF009 - frozen
     protocol: int = PROTOCOL
     type: Literal["hello"] = "hello"
+
+    @property
+    def revision(self) -> int:
+        """The revision in force."""
+        return self.settings.revision
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

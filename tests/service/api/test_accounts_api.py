@@ -111,6 +111,20 @@ def test_two_admins_cannot_remove_each_other_at_once(client, people, port):
                 people.session(name, "admin")
 
 
+def test_of_two_who_add_the_same_user_at_once_one_is_told_so(client, admin):
+    statuses = []
+
+    def add():
+        statuses.append(client.post(USERS, json=NEW, headers=admin).status_code)
+
+    threads = [Thread(target=add) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(statuses) == [201, 409]
+
+
 def test_an_admins_new_password_for_a_user_ends_the_sessions(client, admin, people):
     people.user("mary", "developer")
     browser = people.session("mary")
@@ -290,15 +304,11 @@ def test_a_database_that_fails_is_told_without_what_was_to_be_stored(
     app, client, admin, monkeypatch, caplog
 ):
     with app.state.service.database.session() as session:
-        session.execute(
-            text(
-                "CREATE TRIGGER full BEFORE INSERT ON users BEGIN SELECT RAISE(ABORT, 'full'); END"
-            )
-        )
+        session.execute(text("ALTER TABLE audit_log RENAME TO gone"))
     answer = client.post(USERS, json=NEW, headers=admin)
     assert answer.status_code == 503
     assert answer.json()["error"] == "the database does not answer"
-    assert "the database failed: IntegrityError" in caplog.text
+    assert "the database failed: OperationalError" in caplog.text
     assert "argon2" not in caplog.text
 
 

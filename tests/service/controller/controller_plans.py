@@ -65,7 +65,8 @@ def swapped(old: str, new: str) -> Plan:
 
 
 def hello(plan: Plan, *, revision: int = 0, app: str = "small", **keys) -> Hello:
-    return Hello(app=app, plan=plan, run="r1", began=1, version="0", revision=revision, **keys)
+    keys.setdefault("settings", Settings(revision=revision))
+    return Hello(app=app, plan=plan, run="r1", began=1, version="0", **keys)
 
 
 @dataclass

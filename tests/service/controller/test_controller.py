@@ -299,7 +299,21 @@ def test_an_emergency_stop_goes_on_under_a_new_plan(met):
 
 def test_a_guard_with_newer_settings_is_never_asked_to_go_back(met):
     assert met.controller.greet("r2", hello(plan(), revision=41)).revision == 42
-    assert newest(met).reason == "the guard had revision 41, which is not in the database"
+    assert newest(met).reason == "the guard had revision 41, which was not in the database"
+
+
+def test_what_the_database_has_lost_is_taken_over_from_the_guard(met):
+    stop = EmergencyStop(by="ann", reason="fire", at=7)
+    lost = NodeSettings(policy=PolicyName.PREEMPTION)
+    theirs = Settings(revision=9, nodes={**BLOCKED, "wheels": lost}, stop=stop)
+    sent = met.controller.greet("r2", hello(plan(), settings=theirs))
+    assert sent == Settings(revision=10, nodes=BLOCKED, stop=stop)
+    assert newest(met).settings == sent
+
+
+def test_what_the_database_has_is_not_taken_from_the_guard(met):
+    theirs = Settings(revision=0, nodes=BLOCKED)
+    assert met.controller.greet("r2", hello(plan(), settings=theirs)).nodes == {}
 
 
 def test_each_app_has_settings_of_its_own(met):

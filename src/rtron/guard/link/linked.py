@@ -52,7 +52,7 @@ class Linked:
         self._told_at = 0
         self._telling = False
         self._refused = ""
-        self._stopped = False
+        self._in_force = Settings(revision=plan.revision)
         kept = read_settings(options.settings_file)
         if kept:
             self._apply(kept)
@@ -82,7 +82,7 @@ class Linked:
             began=self._began,
             version=__version__,
             dry_run=self._dry_run,
-            revision=self._applying.revision,
+            settings=self._in_force,
         )
 
     def _new_settings(self, message: NewSettings) -> None:
@@ -105,7 +105,7 @@ class Linked:
             log.error("settings: %s", self._refused)  # noqa: TRY400 - it tells enough
             return str(error)
         self._recorder.revision = settings.revision
-        self._stopped = settings.stop is not None
+        self._in_force = settings
         log.info("settings: revision %d is in force", settings.revision)
         return ""
 
@@ -152,7 +152,7 @@ class Linked:
                 fps=self._fps(now),
                 alarms=self._host.alarms.standing,
                 overridden=tuple(self._overridden(now)),
-                stopped=self._stopped,
+                stopped=self._applying.stopped,
             )
         )
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
@@ -52,6 +52,7 @@ def handle_problems(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(SQLAlchemyError, _database)
+    app.add_exception_handler(IntegrityError, _overtaken)
 
 
 def status_of(error: RTronError) -> int:
@@ -87,6 +88,11 @@ async def _database(request: Request, error: Exception) -> Response:
     log.error("%s: the database failed: %s", request.method, type(error).__name__)
     help = "try again; the service's log says more"
     return problem(HTTPStatus.SERVICE_UNAVAILABLE, "the database does not answer", help)
+
+
+async def _overtaken(_request: Request, _error: Exception) -> Response:
+    help = "look again, and try again if it is still needed"
+    return problem(HTTPStatus.CONFLICT, "somebody else was faster", help)
 
 
 def _writable(text: str) -> str:

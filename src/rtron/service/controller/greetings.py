@@ -130,11 +130,15 @@ class _Meeting:
         return self._add(app, after, f"the plan has changed, left out: {told}")
 
     def _above(self, app: AppRow, row: SettingsRow) -> SettingsRow:
-        """Go above the guard's revision where the database has lost it: a guard never goes back."""
+        """Take over the guard's settings where the database has lost them: a guard never goes back.
+
+        So an older copy of the database ends no emergency stop.
+        """
         if self.hello.revision <= row.revision:
             return row
-        after = replace(settings_of(row), revision=self.hello.revision + 1)
-        told = f"the guard had revision {self.hello.revision}, which is not in the database"
+        left, _ = still_fitting(self.hello.plan, self.hello.settings)
+        after = replace(left, revision=self.hello.revision + 1)
+        told = f"the guard had revision {self.hello.revision}, which was not in the database"
         return self._add(app, after, told)
 
     def _add(self, app: AppRow, settings: Settings, reason: str) -> SettingsRow:
