@@ -3,9 +3,10 @@
 from dataclasses import replace
 
 import pytest
-from test_guarded_action import FLOWS, GOAL_TYPE, ONE, SERVER, TWO, Act, active
+from test_guarded_action import FLOWS, GOAL_TYPE, ONE, SERVER, TWO, Act, Simple, active
 
 from rtron.guard.settings.applying import Applying
+from rtron.guard.settings.emergency import Emergency
 from rtron.guard.will import Will
 from rtron.messages.actionlib import PREEMPTED, RECALLED, REJECTED, SUCCEEDED, read_cancel
 from rtron.vocabulary import (
@@ -263,3 +264,43 @@ def test_goals_may_wait_in_number_after_a_change_too(act):
     room = replace(act.stream.stages[0].settings).queue_size
     stage = act.action.stream.stages[0]
     assert stage.settings.queue_size == room * (len(FLOWS) + 1)
+
+
+def test_an_emergency_stop_cancels_goals_without_an_id_and_those_that_appear_later():
+    act = Simple()
+    emergency = Emergency(act.host, act.transport)
+    act.give(ONE, b"first")
+    act.give(TWO, b"second")
+    act.serve(*active(b"s1"))
+    emergency.stop(STOP)
+    assert {read_cancel(message).id for message in act.cancels} == {b"s1"}
+    act.finish(b"s1", PREEMPTED)
+    act.give(ONE, b"third")
+    assert act.simple == [b"first"]
+    act.serve(*active(b"s2"))
+    assert {read_cancel(message).id for message in act.cancels} == {b"s1", b"s2"}
+    act.finish(b"s2", PREEMPTED)
+    emergency.release()
+    act.give(ONE, b"fourth")
+    assert act.simple == [b"first", b"fourth"]
+
+
+def test_a_queue_of_goals_without_an_id_waits_for_the_server_s_own_after_a_change():
+    act = Simple()
+    act.give(ONE, b"first")
+    act.serve(*active(b"s1"))
+    simple = act.host.guarded[1]
+    changed = replace(
+        simple.stream,
+        stages=tuple(
+            replace(s, settings=replace(s.settings, policy=PolicyName.PRIORITY_QUEUE))
+            for s in simple.stream.stages
+        ),
+    )
+    senses = act.host.senses
+    adaptation = simple.prepare(changed, senses, senses.mission.standings)
+    assert simple.adapt(adaptation, act.transport.now()) == []
+    act.give(TWO, b"second")
+    assert act.simple == [b"first"]
+    act.finish(b"s1")
+    assert act.simple == [b"first", b"second"]

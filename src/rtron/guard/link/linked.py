@@ -2,6 +2,7 @@
 
 import logging
 import time
+from dataclasses import replace
 from uuid import uuid4
 
 from rtron import __version__
@@ -103,11 +104,18 @@ class Linked:
         except (RTronError, MisfitError) as error:
             self._refused = f"revision {settings.revision} is refused: {error}"
             log.error("settings: %s", self._refused)  # noqa: TRY400 - it tells enough
+            self._stop_all_the_same(settings)
             return str(error)
         self._recorder.revision = settings.revision
         self._in_force = settings
         log.info("settings: revision %d is in force", settings.revision)
         return ""
+
+    def _stop_all_the_same(self, settings: Settings) -> None:
+        """Stop the robot for what else is in settings that are refused: beside what is in force."""
+        if settings.stop:
+            self._in_force = replace(self._in_force, stop=settings.stop)
+            self._applying.apply(self._in_force, time.time_ns())
 
     def _count(self) -> None:
         """Tell, once a second, what became of the messages."""

@@ -4,7 +4,7 @@ import { figure } from "../format.js";
 import { Badge, Card, Notice } from "../parts.js";
 import { rateKey } from "../series.js";
 import { Setting } from "./fields.js";
-import { policyField, Rates } from "./grcn.js";
+import { NAMES, policyField, Rates } from "./grcn.js";
 
 const covers = (policy, mandatory) => policy.split("+").includes(mandatory);
 const BY_LIMIT = ["Constrain", "Safe+Constrain"];
@@ -19,7 +19,7 @@ export function fieldsOf(node) {
   };
 }
 
-const flowField = (node, topic, flow, name, kind, right) => ({ path: ["flows", flow.name, name], label: `${name} of ${flow.name}`, what: `${name} of ${flow.name} (${flow.publisher})`, kind, right, publisher: flow.publisher, plan: flow[name], now: node.effective.vflows.find((t) => t.topic === topic.topic)?.flows.find((f) => f.name === flow.name)?.[name] });
+const flowField = (node, topic, flow, name, kind, right) => ({ path: ["flows", flow.name, name], label: `${NAMES[name] ?? name} of ${flow.name}`, what: `${NAMES[name] ?? name} of ${flow.name} (${flow.publisher})`, kind, right, publisher: flow.publisher, plan: flow[name], now: node.effective.vflows.find((t) => t.topic === topic.topic)?.flows.find((f) => f.name === flow.name)?.[name] });
 
 export function RsrcnForm({ form, plan, rates }) {
   const { node } = form, fields = fieldsOf(node), [mandatory] = node.mandatory;
