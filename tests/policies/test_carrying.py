@@ -96,18 +96,25 @@ def test_nothing_passes_that_settings_forbid_before_or_after(steps, prompt):
     """Also not what waited while its flow was blocked for a moment."""
     first, steps = steps
     run = Run(first, prompt)
-    in_force, left = [(0, 0, first)], 0
-    for step in steps:
-        run.play([step])
-        if not isinstance(step[1], str):
-            in_force.append((run.now, len(run.messages), step[1]))
-        for at, message, verdict in run.left[left:]:
-            if verdict.decision is PASS:
-                since = [c for _, number, c in in_force if number > message.number]
-                arrived = [c for _, number, c in in_force if number <= message.number][-1]
-                assert not any(blocks(chosen, message.flow) for chosen in (arrived, *since))
-                assert at == message.arrived or at - message.arrived < run.settings.max_age
-        left = len(run.left)
+    in_force, left = [(0, first)], 0
+    for gap, what in steps:
+        run.wait(gap)
+        left = check_what_left(run, in_force, left)
+        run.play([(0, what)])
+        if not isinstance(what, str):
+            in_force.append((len(run.messages), what))
+        left = check_what_left(run, in_force, left)
+
+
+def check_what_left(run, in_force, left):
+    """Look at what left since the last call, by the settings from its arrival until now."""
+    for at, message, verdict in run.left[left:]:
+        if verdict.decision is PASS:
+            since = [chosen for number, chosen in in_force if number > message.number]
+            arrived = [chosen for number, chosen in in_force if number <= message.number][-1]
+            assert not any(blocks(chosen, message.flow) for chosen in (arrived, *since))
+            assert at == message.arrived or at - message.arrived < run.settings.max_age
+    return len(run.left)
 
 
 @often

@@ -58,7 +58,7 @@ def plan(app="autorace"):
 
 
 def large_graph():
-    """Return two apps on one robot, 46 nodes and 224 topics, as `rtron.graph/1`."""
+    """Return two apps on one robot, 44 nodes that speak and 224 topics, as `rtron.graph/1`."""
     graph = json.loads(FIXTURE.read_text())
     other = json.loads(FIXTURE.with_name("home.json").read_text())
     for node in other["nodes"]:
@@ -78,6 +78,7 @@ class Guard:
         self.plan, self.run, self.seed = plan, run, seed
         self.number, self.revision = 0, 0
         self.intruder = "/rviz_intruder"
+        self.limit = 0.22
         self.attack, self.stopped, self.overridden = False, False, ()
         self.counts, self.owners, self.began = {}, {}, time.monotonic()
 
@@ -149,7 +150,7 @@ class Guard:
         moving = node.topic in ("/cmd_vel", "/control/max_vel") and not self.stopped
         owner = self._owner(node, at) if node.mode is Mode.ENFORCE else None
         tallies = {f.name: self._tally(node, f, f is owner) for f in node.flows}
-        speed = 0.16 + 0.05 * math.sin(at / 3) if moving and owner else None
+        speed = min(0.16 + 0.05 * math.sin(at / 3), self.limit) if moving and owner else None
         stopping = "emergency stop" if self.stopped and node.topic == "/cmd_vel" else ""
         return StreamState(
             topic=node.topic,
@@ -161,7 +162,7 @@ class Guard:
             flows=tallies,
             strangers={self.intruder: 40} if self.attack and node.topic == "/cmd_vel" else {},
             speed=speed,
-            limit=0.22 if node.topic in ("/cmd_vel", "/control/max_vel") else None,
+            limit=self.limit if node.topic in ("/cmd_vel", "/control/max_vel") else None,
             latency=(62 + 9 * math.sin(at), 180 + 60 * abs(math.sin(at / 2))),
         )
 

@@ -100,7 +100,7 @@ def test_who_was_slower_sees_what_the_other_changed_and_can_do_it_again(console,
     page.reason("it comes first")
     page.press("Put in force", "dialog")
     page.sees("ada changed the settings in the meantime")
-    page.sees("grcn_cmd_vel · policy: none → Block")
+    page.sees("grcn_cmd_vel · policy: as the plan → Block")
     page.until(lambda: not page.all("dialog"))
     page.press("Review and put in force …")
     page.reason("it comes first")
@@ -249,7 +249,7 @@ def test_a_large_graph_is_drawn_whole_and_nothing_covers_another(console, guard,
     console.upload(data=large_graph())
     page.login("ada", "robots/turtle1/graph")
     page.press("Leaf topics")
-    page.until(lambda: labels(page, "node ") == 46)
+    page.until(lambda: labels(page, "node ") == 44)
     overlaps = page.browser.execute_script("""
         const boxes = [...document.querySelectorAll(".box")].map((b) => b.getBoundingClientRect());
         return boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) =>

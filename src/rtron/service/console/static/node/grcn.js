@@ -7,7 +7,7 @@ import { Setting } from "./fields.js";
 
 export const NAMES = { block: "block bit" };
 const TIMED = ["FIFO_Queue", "Priority_Queue"];
-const flowField = (node, flow, name, kind, right) => ({ path: ["flows", flow.name, name], label: `${NAMES[name] ?? name} of ${flow.name}`, what: `${NAMES[name] ?? name} of ${flow.name} (${flow.publisher})`, kind, right, publisher: flow.publisher, plan: flow[name] ?? null, now: node.effective.flows.find((f) => f.name === flow.name)?.[name] ?? null });
+const flowField = (node, flow, name, kind, right) => ({ path: ["flows", flow.name, name], label: `${name} of ${flow.name}`, what: `${NAMES[name] ?? name} of ${flow.name} (${flow.publisher})`, kind, right, publisher: flow.publisher, plan: flow[name] ?? null, now: node.effective.flows.find((f) => f.name === flow.name)?.[name] ?? null });
 const nodeField = (node, name, label) => ({ path: [name], label, kind: "seconds", right: "set_durations", plan: node.plan[name], now: node.effective[name] });
 export const policyField = (node, refused = () => "") => ({ path: ["policy"], label: "Policy", kind: "policy", right: "select_policy", options: node.policies.filter((p) => p === node.effective.policy || !refused(p)).map((p) => [p, p]), plan: node.plan.policy, now: node.effective.policy });
 

@@ -19,7 +19,7 @@ export function fieldsOf(node) {
   };
 }
 
-const flowField = (node, topic, flow, name, kind, right) => ({ path: ["flows", flow.name, name], label: `${NAMES[name] ?? name} of ${flow.name}`, what: `${NAMES[name] ?? name} of ${flow.name} (${flow.publisher})`, kind, right, publisher: flow.publisher, plan: flow[name], now: node.effective.vflows.find((t) => t.topic === topic.topic)?.flows.find((f) => f.name === flow.name)?.[name] });
+const flowField = (node, topic, flow, name, kind, right) => ({ path: ["flows", flow.name, name], label: `${name} of ${flow.name}`, what: `${NAMES[name] ?? name} of ${flow.name} (${flow.publisher})`, kind, right, publisher: flow.publisher, plan: flow[name], now: node.effective.vflows.find((t) => t.topic === topic.topic)?.flows.find((f) => f.name === flow.name)?.[name] });
 
 export function RsrcnForm({ form, plan, rates }) {
   const { node } = form, fields = fieldsOf(node), [mandatory] = node.mandatory;
