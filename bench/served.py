@@ -23,12 +23,15 @@ _PAUSE_S = 0.02
 class Served:
     """`rtron serve` on a port of its own; it can be killed and started again on the same data."""
 
-    def __init__(self, folder: Path, database: str | Path = "", *more: str) -> None:
+    def __init__(
+        self, folder: Path, database: str | Path = "", *more: str, nice: int = 0
+    ) -> None:
         self.folder = folder
         self.database = str(database or folder / "service.sqlite")
         self.port = _free_port()
         self.password = ""
         self._more = more
+        self._nice = nice
         self._process: subprocess.Popen[bytes] | None = None
         self._starts = 0
         self._token = ""
@@ -58,7 +61,9 @@ class Served:
         words = ["serve", "--database", self.database, "--port", str(self.port)]
         with log.open("wb") as output:
             self._process = subprocess.Popen(
-                _rtron(*words, *self._more), stdout=output, stderr=subprocess.STDOUT
+                ["nice", "-n", str(self._nice), *_rtron(*words, *self._more)],
+                stdout=output,
+                stderr=subprocess.STDOUT,
             )
         _wait(lambda: self._is_ready(log), f"the service: {log}")
         found = re.search(r"password (\S+)", log.read_text())

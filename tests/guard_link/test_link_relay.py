@@ -77,6 +77,11 @@ def numbers(service, run="run"):
     return [each.number for each in service.events() if each.run == run]
 
 
+def kept(service, run):
+    """Return the numbers as a service keeps them that stores each event once."""
+    return list(dict.fromkeys(numbers(service, run)))
+
+
 def test_events_reach_the_service_once_and_in_order(made, service, guard):
     with relaying(made) as relay:
         for number in range(1, 3001):
@@ -147,6 +152,7 @@ def test_a_guard_that_returns_is_given_the_last_settings(made, service, guard):
     with relaying(made):
         guard.until(lambda: guard.settings, "the settings")
         assert guard.settings[0].settings == SETTINGS
+        guard.line.close()
         newest = Guard(made, "next", revision=4)
         newest.until(lambda: len(service.of(Hello)) == 2, "the next guard's greeting")
         assert newest.settings == []
@@ -234,6 +240,38 @@ def test_garbage_from_a_guard_ends_its_connection_only(made, service, guard):
         guard.until(lambda: guard.line._sock, "the guard's return")
         guard.line.tell(event(1))
         guard.until(lambda: numbers(service) == [1], "the event")
+
+
+def test_two_guards_do_not_share_a_state(made, service, guard, caplog):
+    with relaying(made):
+        guard.until(lambda: service.of(Hello), "the greeting")
+        other = Guard(made, "other")
+        other.until(lambda: "give each its own --state" in caplog.text, "the refusal")
+        guard.line.close()
+        other.line.tell(event(1, "other"))
+        other.until(lambda: numbers(service, "other") == [1], "the event of the other one")
+        other.close()
+    assert [each.run for each in service.of(Hello)] == ["run", "other"]
+
+
+def test_what_a_killed_guard_said_last_is_read_before_the_next_one_speaks(made, service):
+    killed = Guard(made, "killed")
+    with relaying(made):
+        killed.until(lambda: service.of(Hello), "the greeting")
+        counter = RunCounter(made.runs, "killed")
+        for _ in range(200):
+            killed.line.tell(event(counter.next(), "killed"))
+        killed.line._gathered()
+        counter.next()
+        killed.close()
+        returned = Guard(made, "next")
+        returned.until(lambda: len(service.of(Hello)) == 2, "the next greeting")
+        returned.line.tell(event(1, "next"))
+        returned.until(lambda: numbers(service, "next") == [1], "the next event")
+        returned.close()
+    assert kept(service, "killed") == list(range(1, 201))
+    lost = [each for each in service.events() if each.kind is EventKind.LOST]
+    assert lost[0].values == {"events": 1, "run": "killed"}
 
 
 def test_two_link_processes_do_not_share_a_state(made):

@@ -395,3 +395,14 @@ def test_every_view_fits_a_phone(view, console, guard, page, chromium):
     assert wide[1] <= 0
     stop = page.find("#stop").rect
     assert 0 <= stop["x"] <= 360 - stop["width"]
+
+
+def test_a_draft_does_not_outlive_the_session(guard, page):
+    page.expect("401")
+    page.login("dev", "robots/turtle1/nodes/grcn_cmd_vel")
+    page.put("priority of flow1", 9)
+    page.sees("1 change in draft")
+    page.go("account")
+    page.press("Log out")
+    page.login("ada", "robots/turtle1/nodes/grcn_cmd_vel")
+    page.sees("Nothing changed")

@@ -129,9 +129,10 @@ class Post:
         done, left = await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
         for task in left:
             task.cancel()
-        await asyncio.gather(*left, return_exceptions=True)
-        for task in done:
-            task.result()
+        await asyncio.wait(works)
+        errors = [error for task in done if (error := task.exception())]
+        if errors:
+            raise errors[0]
 
     async def _deliver(self, socket: ClientConnection) -> None:
         """Send what the guard says now, and the spool from its beginning on."""

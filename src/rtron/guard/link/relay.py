@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from rtron.errors import RTronError, SourceError
 from rtron.guard.link.kept import keep_settings, read_settings
+from rtron.guard.link.mouth import Mouth
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.post import Post
 from rtron.guard.link.runs import forget_run, former_runs
@@ -36,17 +37,19 @@ _CREDENTIALS = struct.Struct("3i")
 _DRAINING_S = 2.0
 _LOOK_S = 1.0
 _ALONE_S = 30.0
+_NICE = 10
+"""The guard's messages go before what is told about them (nice(2))."""
 _RETURN_S = 2.0
 
 
 class Relay:
-    """Serves one guard at a time; each new one takes the place of the one before."""
+    """Serves one guard at a time, the next one when the one before is gone."""
 
     def __init__(self, options: LinkOptions) -> None:
         self._options = options
         self._spool = Spool(options.spool_file)
         self._post = Post(options, self._spool, self._new_settings)
-        self._guard: asyncio.StreamWriter | None = None
+        self._guard: Mouth | None = None
         self._serving: set[asyncio.Task[None]] = set()
         self._settings = read_settings(options.settings_file)
         self._before = self._settings
@@ -63,9 +66,9 @@ class Relay:
         async with server:
             done, _ = await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
             await self._drained()
-            if self._guard:
-                self._guard.close()
-            await asyncio.gather(*self._serving)
+            for task in self._serving:
+                task.cancel()
+            await asyncio.gather(*self._serving, return_exceptions=True)
         for work in works:
             work.cancel()
         await asyncio.gather(*works, return_exceptions=True)
@@ -106,26 +109,28 @@ class Relay:
         if not _is_ours(writer):
             writer.close()
             return
-        self._guard, former = writer, self._guard
-        if former:
-            former.close()
+        if self._serving:  # a guard that was killed has said things that are not read yet
+            await asyncio.wait(self._serving, timeout=_RETURN_S)
+        if self._serving:
+            log.warning("another guard is connected: give each its own --state")
+            writer.close()
+            return
         task = asyncio.create_task(self._listen(reader, writer))
         self._serving.add(task)
         task.add_done_callback(self._serving.discard)
-        await task
+        with suppress(asyncio.CancelledError):
+            await task
 
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._guard = Mouth(writer.get_extra_info("socket"))
         try:
             async for line in reader:
                 self._heard(from_guard(line.rstrip(b"\n")))
         except (RTronError, ValueError, OSError) as error:
             log.warning("the guard's connection ends: %s", error)
         finally:
-            self._gone(writer)
-
-    def _gone(self, writer: asyncio.StreamWriter) -> None:
-        writer.close()
-        if self._guard is writer:
+            self._guard.close()
+            writer.close()
             self._guard = None
             self._alone_since = time.monotonic()
             asyncio.get_running_loop().call_later(_RETURN_S, self._leave)
@@ -202,7 +207,7 @@ class Relay:
 
     def _tell(self, message: Stored | NewSettings) -> None:
         if self._guard:
-            self._guard.write(service_bytes(message) + b"\n")
+            self._guard.say(service_bytes(message))
 
 
 def _by_our_clock(message: NewSettings, now: int) -> Settings:
@@ -224,6 +229,7 @@ def _is_ours(writer: asyncio.StreamWriter) -> bool:
 def run_relay(options: LinkOptions) -> None:
     """Be the link process until told to end; Ctrl-C is said to the supervisor."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.nice(_NICE)
     asyncio.run(_run(options))
 
 

@@ -76,12 +76,12 @@ class Collector:
 
     def meet(self, robot: str) -> int:
         """Return the robot's id, and note that it was seen now."""
-        with self.database.session() as session:
+        with self.database.writing() as session:
             return meet_robot(session, robot, self.clock()).id
 
     def _store(self, batches: Sequence[Batch]) -> Sequence[Added]:
         start = time.perf_counter()
-        with self.database.session() as session:
+        with self.database.writing() as session:
             added = add_events(session, self.clock(), batches)
         self.tally.batches += 1
         self.tally.seconds += time.perf_counter() - start

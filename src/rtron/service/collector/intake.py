@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 
 MOST_BYTES = 8 << 20
 """So many bytes of messages wait to be stored; whoever has more to say has to wait."""
-MOST_EVENTS = 2000
+MOST_EVENTS = 1000
 """A transaction ends with the batch that reaches so many events."""
 
 Store = Callable[[Sequence[Batch]], Sequence[Added]]

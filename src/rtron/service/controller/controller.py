@@ -98,7 +98,7 @@ class Controller:
         """
 
         def store() -> Settings:
-            with self._database.session() as session:
+            with self._database.writing() as session:
                 found = greeted(session, robot, hello, self._clock())
                 self._note_dry_run(session, robot, hello)
             if found.is_new:
@@ -112,7 +112,7 @@ class Controller:
     def answered(self, robot: str, applied: Applied) -> None:
         """Note what a guard has made of settings; one that refuses a stop gets it on its own."""
         now = self._clock()
-        with self._database.session() as session:
+        with self._database.writing() as session:
             app = find_current_app(session, robot)
             row = revision(session, app.id, applied.revision)
             if row is None:
@@ -219,7 +219,7 @@ class Controller:
 
     def _write(self, robot: str, deed: Deed, make: _Make, reason: str) -> SettingsView:
         now = self._clock()
-        with self._database.session() as session:
+        with self._database.writing() as session:
             known = self._known(session, robot, now)
             made = make(session, known)
             row = known.row
@@ -265,7 +265,7 @@ class Controller:
             nodes = {} if last.nodes == known.settings.nodes else last.nodes
             return replace(known.settings, nodes=nodes, revision=known.settings.revision + 1)
 
-        with self._database.session() as session:
+        with self._database.writing() as session:
             row = find_known(session, robot).row
         if row.revision == refused.revision and refused.nodes:
             told = f"the guard refused revision {refused.revision}; the stop stays"
@@ -277,7 +277,7 @@ class Controller:
         try:
             yield
         except RTronError as error:
-            with suppress(SQLAlchemyError), self._database.session() as session:
+            with suppress(SQLAlchemyError), self._database.writing() as session:
                 record(session, self._clock(), deed, f"refused: {error}")
             raise
 

@@ -1,8 +1,9 @@
 """The database: one SQLite file by default, PostgreSQL by URL."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from threading import RLock
 from typing import Any
 
 from sqlalchemy import URL, Engine, create_engine, event, make_url
@@ -27,6 +28,7 @@ class Database:
     def __init__(self, where: str | Path) -> None:
         self.url = _url(where)
         self.engine = _engine(self.url)
+        self._writer = RLock() if self.is_sqlite else nullcontext()
         try:
             migrate(self.engine)
         except BaseException:
@@ -42,6 +44,16 @@ class Database:
     def session(self) -> Iterator[Session]:
         """Give one transaction: committed at the end, taken back by an exception."""
         with Session(self.engine, expire_on_commit=False) as session, session.begin():
+            yield session
+
+    @contextmanager
+    def writing(self) -> Iterator[Session]:
+        """Give a transaction that is going to write, and has nobody to wait for when it begins.
+
+        SQLite knows one writer. Whoever meets another one there sleeps, up to 100 ms at a time;
+        so those of this process wait for each other here.
+        """
+        with self._writer, self.session() as session:
             yield session
 
     def close(self) -> None:

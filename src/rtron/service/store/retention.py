@@ -60,7 +60,7 @@ def _aged(database: Database, cutoff: int) -> Iterator[int]:
     query = select(EventRow.id, EventRow.stored).order_by(EventRow.id).limit(SLICE)
     old = SLICE
     while old == SLICE:
-        with database.session() as session:
+        with database.writing() as session:
             ids = [id for id, stored in session.execute(query) if stored < cutoff]
             old = _delete(session, ids)
         yield old
@@ -72,7 +72,7 @@ def _oldest(database: Database, condition: str, most: int) -> Iterator[int]:
     ids = [0]
     while ids and most > 0:
         behind = query.where(EventRow.id > ids[-1]).limit(min(SLICE, most))
-        with database.session() as session:
+        with database.writing() as session:
             ids = list(session.scalars(behind))
             most -= _delete(session, ids)
         yield len(ids)

@@ -1,6 +1,7 @@
 // Who is logged in on this page, from the login to its end.
 import { onSessionEnd, post, useCsrf } from "./api.js";
 import { start, stop } from "./live.js";
+import { forgetDrafts } from "./node/form.js";
 import { forget } from "./series.js";
 import { ask, loadRobots, notify, store } from "./store.js";
 
@@ -22,6 +23,7 @@ function leave() {
   stop();
   ask(null);
   forget();
+  forgetDrafts();
   Object.assign(store, { me: null, robots: new Map(), settings: new Map(), nodes: new Map(), plans: new Map(), owners: new Map() });
   notify("me");
 }

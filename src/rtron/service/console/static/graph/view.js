@@ -56,9 +56,10 @@ export class View {
     this.apply();
   }
 
-  fit(boxes, most = 1.3) {
+  // `share` is the part of the height, from above, that nothing lies over.
+  fit(boxes, most = 1.3, share = 1) {
     if (!boxes.length) return;
-    const { left, right, top, bottom } = extent(boxes), margin = 26, { clientWidth, clientHeight } = this.svg;
+    const { left, right, top, bottom } = extent(boxes), margin = 26, { clientWidth } = this.svg, clientHeight = this.svg.clientHeight * share;
     this.k = Math.max(Math.min((clientWidth - 2 * margin) / (right - left), (clientHeight - 2 * margin) / (bottom - top), most), LEAST);
     this.x = clientWidth / 2 - this.k * (left + right) / 2;
     this.y = clientHeight / 2 - this.k * (top + bottom) / 2;

@@ -3,6 +3,7 @@ import { keyOf, same } from "./fields.js";
 
 // Drafts outlive the view, so that looking something up elsewhere loses nothing.
 const drafts = new Map();
+export const forgetDrafts = () => drafts.clear();
 
 export function formOf(robot, node, draw) {
   const id = `${robot} ${node.id}`;

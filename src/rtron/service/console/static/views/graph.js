@@ -11,6 +11,7 @@ import { query } from "../router.js";
 import { samplesOf } from "../series.js";
 import { isLive, listen, store, useStore } from "../store.js";
 
+const NARROW = 820;
 const KINDS = [["", "any risk or none"], ["risky", "any risk"], ["GR-ST", "GR-ST"], ["GR-MT", "GR-MT"], ["RSR", "RSR"], ["MSR", "MSR"]];
 
 export function Graph({ robot }) {
@@ -36,7 +37,7 @@ function Stage({ robot, model }) {
     return () => ends.forEach((end) => end());
   }, [picture]);
   useEffect(() => light(picture, view.current.world, choice && lights(model, choice), choice), [picture, choice]);
-  const show = (pressed) => { setChoice(pressed); const boxes = boxesOf(model, picture, pressed); if (boxes.length) { view.current.touched = true; view.current.fit(boxes, 1.1); } };
+  const show = (pressed) => { setChoice(pressed); const boxes = boxesOf(model, picture, pressed); if (boxes.length) { view.current.touched = true; view.current.fit(boxes, 1.1, innerWidth <= NARROW ? 0.45 : 1); } };
   return html`<${Tools} robot=${robot} model=${model} filter=${filter} setFilter=${setFilter} show=${show} />
     ${error && html`<${Problem} error=${error} />`}
     <div class="stage"><svg ref=${svg} class="picture" tabindex="0" role="group" aria-label="Interaction graph: arrow keys go from box to box, with shift they move the picture, plus and minus zoom, 0 shows all">

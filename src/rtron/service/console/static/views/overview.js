@@ -25,8 +25,8 @@ export function RobotNow({ robot: name }) {
 
 function Robot({ robot, titled }) {
   useStore("second", `state ${robot.name}`);
-  useEffect(() => { load(robot.name); }, [robot.name]);
-  useEffect(() => { loadNodes(robot.name).catch(() => {}); }, [robot.name, robot.revision, robot.outcome]);
+  useEffect(() => { if (robot.app) load(robot.name); }, [robot.name, Boolean(robot.app)]);
+  useEffect(() => { if (robot.app) loadNodes(robot.name).catch(() => {}); }, [robot.name, robot.app, robot.revision, robot.outcome]);
   return html`<${Card} tight title=${titled ? html`<a href=${to("robots", robot.name, "now")}>${robot.name}</a>` : "State"} tools=${html`<${Facts} robot=${robot} />`}>
     <${Alerts} robot=${robot} />
     ${robot.state ? html`<${Streams} robot=${robot} />` : html`<${Empty}>${robot.connected ? "Its guard has not told anything yet." : "Nothing is known of what controls it now."}<//>`}
