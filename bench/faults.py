@@ -105,6 +105,8 @@ def _found(database: str, asked: _Asked) -> Iterator[Figure]:
     yield Figure("faults.events_twice", twice, None, f"of {names[1]:,} events", at_most=0)
     worst = max((count for (count,) in told), default=0)
     allowed = _WINDOW_S * NOISE + 1
+    wanted = KILLS * NOISE
+    yield Figure("faults.events", names[1], None, "events, so the load was there", at_least=wanted)
     unit = f"events told as lost with one guard ({NOISE} a second)"
     yield Figure("faults.crash_window", worst, None, unit, at_most=allowed)
     lives = sum(not run.startswith("link-") for run, _, _ in runs)

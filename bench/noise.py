@@ -4,6 +4,7 @@
 """
 
 import os
+import socket
 import struct
 import sys
 import time
@@ -23,9 +24,25 @@ def main() -> None:
     due = time.monotonic()
     while True:
         for frame in frames:
-            publishers.send(topic, frame)
+            _send(publishers, topic, frame)
             due += 1 / rate
             time.sleep(max(0.0, due - time.monotonic()))
+
+
+def _send(publishers: Publishers, topic: str, frame: bytes) -> None:
+    """Send to whoever listens; a guard that was killed does not any more."""
+    connections = publishers.connections[topic]
+    for connection in [each for each in tuple(connections) if not _said(each, frame)]:
+        connections.remove(connection)
+        connection.close()
+
+
+def _said(connection: socket.socket, frame: bytes) -> bool:
+    try:
+        connection.sendall(frame)
+    except OSError:
+        return False
+    return True
 
 
 if __name__ == "__main__":

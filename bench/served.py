@@ -23,9 +23,7 @@ _PAUSE_S = 0.02
 class Served:
     """`rtron serve` on a port of its own; it can be killed and started again on the same data."""
 
-    def __init__(
-        self, folder: Path, database: str | Path = "", *more: str, nice: int = 0
-    ) -> None:
+    def __init__(self, folder: Path, database: str | Path = "", *more: str, nice: int = 0) -> None:
         self.folder = folder
         self.database = str(database or folder / "service.sqlite")
         self.port = _free_port()
