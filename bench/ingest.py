@@ -14,6 +14,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
+from bench.console import page_loads
 from bench.guards import batches
 from bench.ingesting import FILE
 from bench.part import Say
@@ -58,6 +59,8 @@ def figures(here: Site, say: Say) -> Iterator[Figure]:
         yield Figure(f"ingest.batch_{name}", quantile(delays, part) / 1e3, None, "ms till stored")
     say("pages")
     yield from _pages(folder)
+    say("the console")
+    yield from page_loads(folder, folder / FILE, f"ms with {INGESTED:,} events")
 
 
 @contextmanager

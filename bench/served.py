@@ -59,7 +59,7 @@ class Served:
         words = ["serve", "--database", self.database, "--port", str(self.port)]
         with log.open("wb") as output:
             self._process = subprocess.Popen(
-                ["nice", "-n", str(self._nice), *_rtron(*words, *self._more)],
+                ["nice", "-n", str(self._nice), *rtron(*words, *self._more)],
                 stdout=output,
                 stderr=subprocess.STDOUT,
             )
@@ -83,7 +83,7 @@ class Served:
         words = [word for scope in scopes for word in ("--scope", scope)]
         words += ["--robot", robot] if robot else []
         words += ["--token-file", str(path), "--database", self.database]
-        subprocess.run(_rtron("token", "create", name, *words), check=True, capture_output=True)
+        subprocess.run(rtron("token", "create", name, *words), check=True, capture_output=True)
         return path
 
     def ask(self, path: str, method: str = "GET", body: object = None, token: str = "") -> Any:  # noqa: ANN401
@@ -122,7 +122,8 @@ class Served:
             return False
 
 
-def _rtron(*words: str) -> list[str]:
+def rtron(*words: str) -> list[str]:
+    """Return the command line of this Python's `rtron`."""
     return [sys.executable, "-m", "rtron", *words]
 
 

@@ -38,6 +38,10 @@ class LinkedApp:
         """Start a node that the plan does not know."""
         return self.ros1.node("rogue.py", "/by_hand", str(rate))
 
+    def rests(self):
+        """Tell whether the driver was told to rest last."""
+        return all(float(each) == 0 for each in self.driven.messages()[-1])
+
     def robot(self):
         return self.service.state(ROBOT)
 

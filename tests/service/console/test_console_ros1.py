@@ -43,7 +43,7 @@ def test_an_attack_is_seen_and_the_policy_that_ends_it_is_selected(app, page):
     page.reason("it turns in circles")
     page.press("Put in force", "dialog")
     page.sees("applied")
-    wait_for(lambda: app.driven.messages()[-1] == ("0", "0"), what="the driver's rest")
+    wait_for(app.rests, what="the driver's rest")
     turned = app.driven.turns()
     before = app.ros1.received("/rtron/grcn_cmd_vel", FLOW2)
     wait_for(
@@ -69,7 +69,7 @@ def test_the_emergency_stop_stops_the_base_until_it_is_taken_back(app, page):
     page.sees("/nav", "table")
     page.find("#stop").click()
     page.press(f"Stop {ROBOT} now", "dialog")
-    wait_for(lambda: app.driven.messages()[-1] == ("0", "0"), what="the driver's rest")
+    wait_for(app.rests, what="the driver's rest")
     before = app.ros1.received("/rtron/grcn_cmd_vel", FLOW1)
     wait_for(lambda: app.ros1.received("/rtron/grcn_cmd_vel", FLOW1) > before + 5, what="nav")
-    assert app.driven.messages()[-1] == ("0", "0")
+    assert app.rests()

@@ -33,7 +33,7 @@ def test_who_is_in_control_is_to_be_seen(app):
 def test_a_blocked_flow_stops_the_base_and_says_why(app):
     app.navigate()
     revision = app.change(flow1={"block": True})
-    wait_for(lambda: app.driven.messages()[-1] == ("0", "0"), what="the stop")
+    wait_for(app.rests, what="the stop")
     assert app.robot()["revision"] == revision
     blocked = wait_for(lambda: app.events(kind="verdict", level="warning"), what="the verdict")
     assert "block" in blocked[0]["reason"]
@@ -46,7 +46,7 @@ def test_a_blocked_flow_stops_the_base_and_says_why(app):
 def test_an_emergency_stop_holds_through_a_restart_of_the_guard(app):
     app.navigate()
     app.service.ask(f"/api/v1/robots/{ROBOT}/stop", "POST", {"reason": "smoke"})
-    wait_for(lambda: app.driven.messages()[-1] == ("0", "0"), what="the stop")
+    wait_for(app.rests, what="the stop")
     app.guard.kill()
     app.start_guard()
     wait_for(lambda: app.robot()["connected"] and app.stream().get("stopping"), what="the state")

@@ -58,6 +58,7 @@ def test_pages_together_have_each_event_once(filled, limit, wanted):
     ("wanted", "expected"),
     [
         ({"kind": EventKind.ALARM}, [9, 7, 5, 3, 1]),
+        ({"counts": False}, [10, 9, 8, 7, 6, 5, 4, 3, 2, 1]),
         ({"level": Level.INFO}, [10, 9, 8, 7, 6, 5, 4, 3, 2, 1]),
         ({"level": Level.WARNING}, [10, 8, 7, 5, 4, 2, 1]),
         ({"level": Level.ERROR}, [8, 5, 2]),
@@ -108,3 +109,11 @@ def test_a_search_goes_on_behind_what_one_page_looks_through(filled, monkeypatch
                 break
     assert pieces == everything
     assert calls == max(1, -(-20 // span))
+
+
+def test_the_figures_of_each_second_can_be_left_out(database):
+    robot = new_robot(database, "one")
+    kinds = [EventKind.COUNTS, EventKind.OWNER, EventKind.COUNTS]
+    add(database, robot, [event(n, kind=kind) for n, kind in enumerate(kinds, 1)], robot="one")
+    assert found(database) == [("one", 3), ("one", 2), ("one", 1)]
+    assert found(database, counts=False) == [("one", 2)]

@@ -39,6 +39,7 @@ def events(  # noqa: PLR0913 - the parameters of the query
     until: Time = None,
     before: Id = None,
     after: Id = None,
+    counts: bool = True,
     limit: Limit = 100,
 ) -> EventPage:
     """Return events, newest first; `before` is the `next` of the page before."""
@@ -53,6 +54,7 @@ def events(  # noqa: PLR0913 - the parameters of the query
         until=until,
         before=before,
         after=after,
+        counts=counts,
     )
     with service.database.session() as session:
         return event_page(session, wanted, limit)

@@ -27,7 +27,8 @@ class EventFilter:
     """Which events: all that is given must fit.
 
     `level` is the least, `text` is looked for in the reasons without regard to case; `since` and
-    `until` are times of the robot (ns, the latter excluded); `before` and `after` are ids.
+    `until` are times of the robot (ns, the latter excluded); `before` and `after` are ids. Without
+    `counts` the figures of each second, which are most of the events, are left out.
     """
 
     robot: str | None = None
@@ -40,6 +41,7 @@ class EventFilter:
     until: int | None = None
     before: int | None = None
     after: int | None = None
+    counts: bool = True
 
 
 def event_page(session: Session, wanted: EventFilter, limit: int = 100) -> EventPage:
@@ -88,6 +90,8 @@ def _conditions(wanted: EventFilter) -> Iterator[ColumnElement[bool]]:
     ):
         if value is not None:
             yield column == value
+    if not wanted.counts:
+        yield text("kind <> 'counts'")  # type: ignore[misc]  # as the index has it
     if wanted.level in _ABOVE:
         yield text("level <> 'info'")  # type: ignore[misc]  # as the index has it
         yield EventRow.level.in_(_ABOVE[wanted.level])

@@ -116,6 +116,7 @@ class EventRow(Table):
         Index("events_by_robot", "robot_id", "id", "at"),
         Index("events_by_kind", "robot_id", "kind", "id"),
         _partly("events_of_note", "robot_id", "id", where="level <> 'info'"),
+        _partly("events_told", "robot_id", "id", where="kind <> 'counts'"),
         _partly("events_counts", "robot_id", "at", where="kind = 'counts'"),
         {"sqlite_autoincrement": True},
     )

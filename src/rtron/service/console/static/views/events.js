@@ -81,7 +81,7 @@ function put(event, events) {
 }
 
 const nanoseconds = (local) => local && `${new Date(local).getTime()}000000`;
-const queryOf = (filter) => ({ ...filter, since: nanoseconds(filter.since), until: nanoseconds(filter.until) });
+const queryOf = (filter) => ({ ...filter, counts: Boolean(filter.kind), since: nanoseconds(filter.since), until: nanoseconds(filter.until) });
 
 function fits(event, f) {
   const at = event.at / 1e6, equal = (name) => !f[name] || event[name] === f[name];

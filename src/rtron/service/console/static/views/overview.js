@@ -12,7 +12,7 @@ export function Overview() {
   useStore("robots");
   const robots = [...store.robots.values()].sort((a, b) => trouble(b) - trouble(a));
   return html`<div class="head"><h1>Overview</h1><p>${plural(robots.length, "robot")}, ${robots.filter((r) => r.connected).length} connected</p></div>
-    ${robots.length ? robots.map((robot) => html`<${Robot} key=${robot.name} robot=${robot} titled />`) : html`<${Empty}>No robot is known yet. Start one: <code>rtron guard PLAN --service URL --token-file F</code><//>`}`;
+    ${robots.length ? robots.map((robot) => html`<${Robot} key=${robot.name} robot=${robot} titled />`) : html`<${Empty}>No robot is known yet. Start one: <code>rtron guard --plan rtron.yaml --service URL --token-file FILE</code><//>`}`;
 }
 
 const trouble = (robot) => (robot.stop ? 4 : 0) + (robot.state?.alarms.length ? 2 : 0) + (robot.connected ? 0 : 1);

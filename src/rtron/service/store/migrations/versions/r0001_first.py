@@ -147,6 +147,13 @@ def _events() -> None:
     op.create_index("events_by_kind", "events", ["robot_id", "kind", "id"])
     op.create_index("events_by_robot", "events", ["robot_id", "id", "at"])
     op.create_index(
+        "events_told",
+        "events",
+        ["robot_id", "id"],
+        sqlite_where=sa.text("kind <> 'counts'"),
+        postgresql_where=sa.text("kind <> 'counts'"),
+    )
+    op.create_index(
         "events_counts",
         "events",
         ["robot_id", "at"],
