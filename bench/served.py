@@ -23,13 +23,15 @@ _PAUSE_S = 0.02
 class Served:
     """`rtron serve` on a port of its own; it can be killed and started again on the same data."""
 
-    def __init__(self, folder: Path, database: str | Path = "", *more: str, nice: int = 0) -> None:
+    def __init__(
+        self, folder: Path, database: str | Path = "", *more: str, idle: bool = False
+    ) -> None:
         self.folder = folder
         self.database = str(database or folder / "service.sqlite")
         self.port = _free_port()
         self.password = ""
         self._more = more
-        self._nice = nice
+        self._idle = idle
         self._process: subprocess.Popen[bytes] | None = None
         self._starts = 0
         self._token = ""
@@ -59,7 +61,7 @@ class Served:
         words = ["serve", "--database", self.database, "--port", str(self.port)]
         with log.open("wb") as output:
             self._process = subprocess.Popen(
-                ["nice", "-n", str(self._nice), *rtron(*words, *self._more)],
+                ["chrt", "--idle" if self._idle else "--other", "0", *rtron(*words, *self._more)],
                 stdout=output,
                 stderr=subprocess.STDOUT,
             )

@@ -29,7 +29,7 @@ from rtron.wire.link import (
 
 log = logging.getLogger(__name__)
 
-GATHERING = SECOND // 25
+GATHERING = SECOND * 8 // 100
 """How long events are gathered before they are written, ns: what a kill of the guard may lose."""
 MOST = 20_000
 """The most events that are kept for a link process that is not there."""

@@ -10,6 +10,7 @@ from rtron.errors import InputError
 
 _PATH = "/link/v1"
 _SCHEMES = {"http": "ws", "https": "wss"}
+_SHARED = Path("/dev/shm")  # noqa: S108 - the folders in it are checked
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
@@ -46,8 +47,12 @@ class LinkOptions:
     @property
     def address(self) -> bytes:
         """The link process's own address (an abstract one, unix(7)), and so the lock on `state`."""
+        return f"\0{self._name}".encode()
+
+    @property
+    def _name(self) -> str:
         digest = hashlib.sha256(os.fsencode(self.state.resolve())).hexdigest()[:32]
-        return f"\0rtron-link-{os.getuid()}-{digest}".encode()
+        return f"rtron-link-{os.getuid()}-{digest}"
 
     @property
     def settings_file(self) -> Path:
@@ -61,17 +66,22 @@ class LinkOptions:
 
     @property
     def runs(self) -> Path:
-        """Where each life of the guard counts its events."""
-        return self.state / "runs"
+        """Where each life of the guard counts its events.
+
+        In memory (shm_overview(7)): a page of a file on a disk that is being flushed makes whoever
+        writes to it wait, for tens of milliseconds.
+        """
+        return (_SHARED if _SHARED.is_dir() else self.state) / self._name
 
     def prepare(self) -> None:
         """Make the folders; InputError if they cannot be used."""
         try:
-            self.runs.mkdir(mode=0o700, parents=True, exist_ok=True)
-            self.state.chmod(0o700)
+            for folder in (self.state, self.runs):
+                folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+                folder.chmod(0o700)
         except OSError as error:
             help = "choose a folder of your own with --state"
-            raise InputError(f"{self.state}: {error.strerror}", help=help) from None
+            raise InputError(f"{error.filename}: {error.strerror}", help=help) from None
 
     def token(self) -> str:
         """Return the secret in the token file; InputError if there is none."""

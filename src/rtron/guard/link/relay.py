@@ -38,7 +38,7 @@ _DRAINING_S = 2.0
 _LOOK_S = 1.0
 _ALONE_S = 30.0
 _NICE = 10
-"""The guard's messages go before what is told about them (nice(2))."""
+"""The guard's messages go before what is told about them (nice(2), SCHED_BATCH of sched(7))."""
 _RETURN_S = 2.0
 
 
@@ -51,6 +51,7 @@ class Relay:
         self._post = Post(options, self._spool, self._new_settings)
         self._guard: Mouth | None = None
         self._serving: set[asyncio.Task[None]] = set()
+        self._guarded = False
         self._settings = read_settings(options.settings_file)
         self._before = self._settings
         self._alone_since = time.monotonic()
@@ -66,15 +67,24 @@ class Relay:
         async with server:
             done, _ = await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
             await self._drained()
+            self._guarded = bool(self._serving)
             for task in self._serving:
                 task.cancel()
             await asyncio.gather(*self._serving, return_exceptions=True)
         for work in works:
             work.cancel()
         await asyncio.gather(*works, return_exceptions=True)
-        self._spool.close()
+        self._close()
         for work in done:
             work.result()
+
+    def _close(self) -> None:
+        """Leave nothing in memory that only a guard which lives could need."""
+        if not self._guarded:
+            self._account("")
+            with suppress(OSError):
+                self._options.runs.rmdir()
+        self._spool.close()
 
     def _listening(self) -> socket.socket:
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -230,6 +240,7 @@ def run_relay(options: LinkOptions) -> None:
     """Be the link process until told to end; Ctrl-C is said to the supervisor."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.nice(_NICE)
+    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     asyncio.run(_run(options))
 
 
