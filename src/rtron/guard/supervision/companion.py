@@ -9,35 +9,56 @@ from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
 
-_AGAIN = SECOND
+SOONEST = SECOND
+"""The shortest time between two starts, ns; it doubles while each ends soon."""
+LATEST = 30 * SECOND
 _ENDING_S = 4.0
 
 
 class Companion:
-    """Keeps one process running; the robot's safety does not hang on it."""
+    """Keeps one process running; the robot's safety does not hang on it.
 
-    def __init__(self, order_file: int) -> None:
+    One that ends at once, for instance since another supervisor's still runs, is tried more seldom.
+    """
+
+    def __init__(self, order_file: int, program: str = LINK) -> None:
+        self.process: subprocess.Popen[bytes] | None = None
+        self._words = command(program, [order_file])
         self._order_file = order_file
-        self._process: subprocess.Popen[bytes] | None = None
-        self._due = 0
+        self._started = 0
+        self._due: int | None = 0
+        self._pause = SOONEST
 
     def look(self, now: int) -> None:
-        """Start the process if it does not run, once a second at most."""
-        if now < self._due or (self._process and self._process.poll() is None):
+        """Start the process at `now` (ns) if it does not run and it is time."""
+        if self.process and self.process.poll() is None:
             return
-        self._due = now + _AGAIN
-        words = command(LINK, [self._order_file])
+        if self._due is None:
+            self._due = now + self._wait(now - self._started)
+        if now >= self._due:
+            self._start(now)
+
+    def _wait(self, life: int) -> int:
+        """Return how long to wait after one that has lived for `life`."""
+        wait = self._pause
+        self._pause = SOONEST if life >= LATEST else min(2 * self._pause, LATEST)
+        return SOONEST if life >= LATEST else wait
+
+    def _start(self, now: int) -> None:
+        self._started, self._due = now, None
         try:
-            self._process = subprocess.Popen(words, pass_fds=[self._order_file])  # noqa: S603
+            self.process = subprocess.Popen(self._words, pass_fds=[self._order_file])  # noqa: S603
         except OSError as error:
+            self.process = None
             log.warning("the link process cannot be started, tried again soon: %s", error)
 
     def dismiss(self) -> None:
         """End it; it has a moment to deliver what waits."""
-        if self._process is None or self._process.poll() is not None:
+        if self.process is None or self.process.poll() is not None:
             return
-        self._process.send_signal(signal.SIGTERM)
+        self.process.send_signal(signal.SIGTERM)
         try:
-            self._process.wait(_ENDING_S)
+            self.process.wait(_ENDING_S)
         except subprocess.TimeoutExpired:
-            self._process.kill()
+            self.process.kill()
+            self.process.wait()
