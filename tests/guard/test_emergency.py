@@ -135,7 +135,7 @@ def test_states_and_what_only_observes_go_on():
 def test_a_dry_run_only_tells_so(caplog):
     base = Base(dry_run=True)
     base.apply(STOP)
-    assert base.applying.stopped
+    assert not base.applying.stopped
     base.drive(1.0)
     assert base.xs() == [1.0]
     assert WHY in caplog.messages

@@ -12,7 +12,7 @@ from link_parts import TOKEN, Service, event, hello, options, relaying, serving
 from rtron.errors import SourceError
 from rtron.guard.link.kept import keep_settings, read_settings
 from rtron.guard.link.line import MOST, Line
-from rtron.guard.link.runs import RunCounter
+from rtron.guard.link.runs import RunCounter, former_runs
 from rtron.guard.transport.ros1.loop import Loop
 from rtron.vocabulary import (
     EmergencyStop,
@@ -23,7 +23,7 @@ from rtron.vocabulary import (
     Settings,
     TimedOverride,
 )
-from rtron.wire.link import Applied, Hello, NewSettings, State, service_bytes
+from rtron.wire.link import Applied, Events, Hello, NewSettings, State, service_bytes
 
 SETTINGS = Settings(revision=4, nodes={"grcn": NodeSettings(policy=PolicyName.BLOCK)})
 
@@ -144,7 +144,7 @@ def test_settings_reach_the_guard_and_the_disk(made, service, guard):
         service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
         guard.until(lambda: guard.settings, "the settings")
         assert guard.settings[0].settings == SETTINGS
-        assert read_settings(made.settings_file) == SETTINGS
+        assert read_settings(made.settings_file, time.time_ns()) == SETTINGS
         guard.line.say(Applied(revision=4))
         guard.until(lambda: service.of(Applied), "the answer")
     assert service.of(Applied) == [Applied(revision=4)]
@@ -171,7 +171,58 @@ def test_refused_settings_are_not_kept(made, service, guard):
         guard.until(lambda: len(guard.settings) == 2, "the settings")
         guard.line.say(Applied(revision=4, error="no such flow"))
         guard.until(lambda: service.of(Applied), "the answer")
-    assert read_settings(made.settings_file) == Settings(revision=3)
+    assert read_settings(made.settings_file, time.time_ns()) == Settings(revision=3)
+
+
+def test_a_stop_outlives_the_refusal_of_what_came_with_it(made, service, guard):
+    keep_settings(made.settings_file, Settings(revision=3), 1)
+    stop = EmergencyStop(by="ada", reason="smoke", at=3)
+    with relaying(made):
+        guard.until(lambda: service.of(Hello), "the greeting")
+        settings = Settings(revision=4, nodes=SETTINGS.nodes, stop=stop)
+        service.say(NewSettings(settings=settings, now=time.time_ns()))
+        guard.until(lambda: len(guard.settings) == 2, "the settings")
+        guard.line.say(Applied(revision=4, error="no such flow"))
+        guard.until(lambda: service.of(Applied), "the answer")
+    assert read_settings(made.settings_file, time.time_ns()) == Settings(revision=3, stop=stop)
+
+
+def test_a_full_disk_keeps_no_stop_from_the_robot(made, service, guard, monkeypatch, caplog):
+    def full(path, settings, now):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("rtron.guard.link.relay.keep_settings", full)
+    with relaying(made):
+        guard.until(lambda: service.of(Hello), "the greeting")
+        service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
+        guard.until(lambda: guard.settings, "the settings")
+        guard.line.say(Applied(revision=4))
+        guard.until(lambda: service.of(Applied), "the answer")
+    assert "do not outlive" in caplog.text
+
+
+def test_events_that_are_long_together_go_in_several_messages(made, service, guard):
+    text = "x" * 100_000
+    service.confirms = False
+    for number in range(1, 101):
+        guard.line.tell(event(number, kind=EventKind.COUNTS, values={"text": text}))
+    with relaying(made):
+        guard.until(lambda: kept(service, "run") == list(range(1, 101)), "the events")
+        service.heard.clear()
+        service.confirms = True
+        service.socket.close_socket()
+        guard.until(lambda: kept(service, "run") == list(range(1, 101)), "the events again")
+    assert max(len(message.events) for message in service.of(Events)) < 20
+
+
+def test_a_token_that_is_away_for_a_moment_ends_nothing(made, service, guard):
+    token = made.token_file.read_text()
+    made.token_file.unlink()
+    with relaying(made) as relay:
+        guard.until(lambda: relay._post._warned, "the failure")
+        assert "token create" not in relay._post._warned
+        made.token_file.write_text(token)
+        guard.until(lambda: service.of(Hello), "the greeting")
 
 
 def test_the_first_settings_refused_leave_none(made, service, guard):
@@ -181,7 +232,7 @@ def test_the_first_settings_refused_leave_none(made, service, guard):
         guard.until(lambda: guard.settings, "the settings")
         guard.line.say(Applied(revision=4, error="no such flow"))
         guard.until(lambda: service.of(Applied), "the answer")
-    assert read_settings(made.settings_file) is None
+    assert read_settings(made.settings_file, time.time_ns()) is None
 
 
 def test_an_override_ends_by_our_clock_whatever_the_services_says(made, service, guard):
@@ -293,14 +344,30 @@ def listens(made):
 def test_settings_that_cannot_be_read_are_none(tmp_path, text):
     path = tmp_path / "settings.json"
     path.write_bytes(text)
-    assert read_settings(path) is None
+    assert read_settings(path, 0) is None
 
 
 def test_settings_are_kept_whole(tmp_path):
     path = tmp_path / "settings.json"
     stop = EmergencyStop(by="ada", reason="smoke", at=3)
     keep_settings(path, Settings(revision=9, stop=stop), 7)
-    assert read_settings(path) == Settings(revision=9, stop=stop)
+    assert read_settings(path, 7) == Settings(revision=9, stop=stop)
     message = service_bytes(NewSettings(settings=Settings(revision=9, stop=stop), now=7))
     assert path.read_bytes() == message
     assert [each.name for each in tmp_path.iterdir()] == ["settings.json"]
+
+
+def test_no_override_goes_on_by_a_clock_that_was_set_back(tmp_path):
+    path = tmp_path / "settings.json"
+    override = TimedOverride(by="ada", reason="docking", until=9)
+    settings = Settings(revision=5, overrides={"rsrcn": override})
+    keep_settings(path, settings, 7)
+    assert read_settings(path, 7) == settings
+    assert read_settings(path, 6) == Settings(revision=5)
+
+
+def test_a_run_that_cannot_be_kept_is_counted_all_the_same(tmp_path, caplog):
+    counter = RunCounter(tmp_path / "none", "run")
+    assert [counter.next(), counter.next()] == [1, 2]
+    assert "will not be counted" in caplog.text
+    assert list(former_runs(tmp_path / "none", "run")) == []

@@ -2,6 +2,7 @@
 
 import logging
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import WireError
@@ -11,8 +12,12 @@ from rtron.wire.link import NewSettings, service_bytes, to_guard
 log = logging.getLogger(__name__)
 
 
-def read_settings(path: Path) -> Settings | None:
-    """Return what was kept last; None if nothing was, or if it cannot be read."""
+def read_settings(path: Path, now: int) -> Settings | None:
+    """Return what was kept last; None if nothing was, or if it cannot be read.
+
+    A clock (`now`, wall, ns) that was set back since then cannot tell which overrides are over:
+    they are.
+    """
     try:
         message = to_guard(path.read_bytes())
     except FileNotFoundError:
@@ -20,7 +25,9 @@ def read_settings(path: Path) -> Settings | None:
     except (OSError, WireError) as error:
         log.error("the settings kept in %s cannot be read: %s", path, error)  # noqa: TRY400
         return None
-    return message.settings if isinstance(message, NewSettings) else None
+    if not isinstance(message, NewSettings):
+        return None
+    return message.settings if now >= message.now else replace(message.settings, overrides={})
 
 
 def keep_settings(path: Path, settings: Settings, now: int) -> None:

@@ -124,10 +124,17 @@ class Line:
         self._due = False
         if not (self._sock and self._unsent) or len(self._out) > LONGEST:
             return
-        most = min(len(self._unsent), MOST_EVENTS // 2)
-        self._write(events_bytes([self._unsent.popleft() for _ in range(most)]))
+        self._write(events_bytes(self._batch()))
         if self._unsent:
             self._soon()
+
+    def _batch(self) -> list[bytes]:
+        """Take the events of one message: few enough, and short enough together."""
+        batch, length = [self._unsent.popleft()], 0
+        while self._unsent and len(batch) < MOST_EVENTS // 2 and length < LONGEST // 4:
+            batch.append(self._unsent.popleft())
+            length += len(batch[-1])
+        return batch
 
     def _write(self, line: bytes) -> None:
         idle = not self._out

@@ -6,7 +6,7 @@ from dataclasses import replace
 from uuid import uuid4
 
 from rtron import __version__
-from rtron.errors import RTronError
+from rtron.errors import InputError, RTronError
 from rtron.guard.host import Host
 from rtron.guard.link.kept import read_settings
 from rtron.guard.link.line import Line
@@ -39,7 +39,7 @@ class Linked:
     def __init__(
         self, plan: Plan, host: Host, transport: Transport, loop: Loop, options: LinkOptions
     ) -> None:
-        options.prepare()
+        _prepare(options)
         self._plan, self._host, self._transport, self._loop = plan, host, transport, loop
         self._dry_run = any(guarded.dry_run for guarded in host.guarded)
         self._run, self._began = uuid4().hex, time.time_ns()
@@ -54,7 +54,7 @@ class Linked:
         self._telling = False
         self._refused = ""
         self._in_force = Settings(revision=plan.revision)
-        kept = read_settings(options.settings_file)
+        kept = read_settings(options.settings_file, time.time_ns())
         if kept:
             self._apply(kept)
 
@@ -95,6 +95,9 @@ class Linked:
         level = Level.ERROR if error else Level.INFO
         reason = error or f"revision {settings.revision} is in force"
         self._recorder.record(EventKind.SETTINGS, level, reason=reason, revision=settings.revision)
+        if settings.stop and not self._applying.stopped:
+            told = "the emergency stop stops nothing: this guard only observes"
+            self._recorder.record(EventKind.STOP, Level.ERROR, reason=told)
         self._changed()
 
     def _apply(self, settings: Settings) -> str:
@@ -175,3 +178,11 @@ class Linked:
             for id, policy in guarded.overridable.items()
             if policy.override and now < policy.override.until
         }
+
+
+def _prepare(options: LinkOptions) -> None:
+    """Make the folders; a guard whose disk is full guards all the same."""
+    try:
+        options.prepare()
+    except InputError as error:
+        log.error("the link to the service will not work: %s", error)  # noqa: TRY400

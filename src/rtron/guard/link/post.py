@@ -4,14 +4,15 @@ import asyncio
 import logging
 import random
 import ssl
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import accumulate
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus
 
-from rtron.errors import WireError
+from rtron.errors import RTronError
 from rtron.guard.link.options import LinkOptions
-from rtron.guard.link.spool import Spool
+from rtron.guard.link.spool import Row, Spool
 from rtron.wire.link import (
     LONGEST,
     Applied,
@@ -27,6 +28,7 @@ from rtron.wire.link import (
 log = logging.getLogger(__name__)
 
 _BATCH = 500
+_BATCH_BYTES = LONGEST // 4
 _IN_FLIGHT = 8 * _BATCH
 _FIRST_S, _LONGEST_S = 0.1, 10.0
 _PATIENCE_S = 10.0
@@ -97,7 +99,7 @@ class Post:
                 self._warned = ""
                 await self._serve(socket)
                 return True
-        except (OSError, InvalidHandshake, ConnectionClosed, WireError, TimeoutError) as error:
+        except (OSError, InvalidHandshake, ConnectionClosed, RTronError, TimeoutError) as error:
             self._warn(error)
             return False
 
@@ -141,7 +143,7 @@ class Post:
             self._news.clear()
             for message in self._taken():
                 await socket.send(guard_bytes(message), text=True)
-            rows = self._spool.after(position, _BATCH)
+            rows = _bounded(self._spool.after(position, _BATCH))
             if rows and len(rows) + position - self._first(position) <= _IN_FLIGHT:
                 position = rows[-1][0]
                 await socket.send(events_bytes(row[3] for row in rows), text=True)
@@ -173,3 +175,10 @@ class Post:
         if told != self._warned:
             self._warned = told
             log.warning("not connected to %s, tried again: %s", self._options.service, told)
+
+
+def _bounded(rows: Sequence[Row]) -> Sequence[Row]:
+    """Return the first of these events, as many as one message may have; one at least."""
+    lengths = accumulate(len(body) for *_, body in rows)
+    fitting = sum(length <= _BATCH_BYTES for length in lengths)
+    return rows[: max(1, fitting)]

@@ -5,6 +5,7 @@ import logging
 import os
 import signal
 import socket
+import sqlite3
 import struct
 import time
 from contextlib import suppress
@@ -52,7 +53,7 @@ class Relay:
         self._guard: Mouth | None = None
         self._serving: set[asyncio.Task[None]] = set()
         self._guarded = False
-        self._settings = read_settings(options.settings_file)
+        self._settings = read_settings(options.settings_file, time.time_ns())
         self._before = self._settings
         self._alone_since = time.monotonic()
         self._parent = os.getppid()
@@ -136,7 +137,7 @@ class Relay:
         try:
             async for line in reader:
                 self._heard(from_guard(line.rstrip(b"\n")))
-        except (RTronError, ValueError, OSError) as error:
+        except (RTronError, ValueError, OSError, sqlite3.Error) as error:
             log.warning("the guard's connection ends: %s", error)
         finally:
             self._guard.close()
@@ -163,10 +164,10 @@ class Relay:
             self._post.say(message)
 
     def _greet(self, hello: Hello) -> None:
-        self._account(hello.run)
-        self._post.greet(replace(hello, robot=self._options.robot))
         if self._settings and self._settings.revision > hello.revision:
             self._give(self._settings)
+        self._post.greet(replace(hello, robot=self._options.robot))
+        self._account(hello.run)
 
     def _account(self, run: str) -> None:
         """Find out what the guards before took with them when they were killed."""
@@ -192,23 +193,34 @@ class Relay:
         log.warning("%s", event.reason)
 
     def _new_settings(self, message: NewSettings) -> None:
-        """Keep settings, then give them to the guard: it may be killed the next moment."""
+        """Give settings to the guard, and keep them before it can have answered.
+
+        A disk that is full keeps nothing, but no stop from the robot either.
+        """
         now = time.time_ns()
         self._before, self._settings = self._settings, _by_our_clock(message, now)
-        keep_settings(self._options.settings_file, self._settings, now)
         self._give(self._settings)
+        self._store(self._settings)
+
+    def _store(self, settings: Settings) -> None:
+        try:
+            keep_settings(self._options.settings_file, settings, time.time_ns())
+        except OSError as error:
+            log.error("settings do not outlive this guard: %s", error)  # noqa: TRY400
 
     def _answered(self, applied: Applied) -> None:
         current = self._settings
         if applied.error and current and applied.revision == current.revision:
-            self._take_back()
+            self._take_back(current)
         self._post.say(applied)
 
-    def _take_back(self) -> None:
-        """Keep what was in force before the guard refused something."""
+    def _take_back(self, refused: Settings) -> None:
+        """Keep what was in force before the guard refused something; a stop is never refused."""
         self._settings = self._before
+        if refused.stop:
+            self._settings = replace(self._before or Settings(), stop=refused.stop)
         if self._settings:
-            keep_settings(self._options.settings_file, self._settings, time.time_ns())
+            self._store(self._settings)
         else:
             self._options.settings_file.unlink(missing_ok=True)
 

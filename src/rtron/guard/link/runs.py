@@ -5,10 +5,13 @@ keeps it whatever becomes of the process. So the link can tell how many events a
 killed took with it.
 """
 
+import logging
 import mmap
 import struct
 from collections.abc import Iterator
 from pathlib import Path
+
+log = logging.getLogger(__name__)
 
 _NUMBER = struct.Struct("<Q")
 
@@ -17,10 +20,11 @@ class RunCounter:
     """Counts the events of this run."""
 
     def __init__(self, folder: Path, run: str) -> None:
-        path = folder / run
-        path.write_bytes(bytes(_NUMBER.size))
-        with path.open("r+b") as file:
-            self._map = mmap.mmap(file.fileno(), _NUMBER.size)
+        self._map: mmap.mmap | bytearray = bytearray(_NUMBER.size)
+        try:
+            self._map = _mapped(folder / run)
+        except OSError as error:
+            log.error("what a crash of the guard loses will not be counted: %s", error)  # noqa: TRY400
         self.number = 0
 
     def next(self) -> int:
@@ -30,9 +34,15 @@ class RunCounter:
         return self.number
 
 
+def _mapped(path: Path) -> mmap.mmap:
+    path.write_bytes(bytes(_NUMBER.size))
+    with path.open("r+b") as file:
+        return mmap.mmap(file.fileno(), _NUMBER.size)
+
+
 def former_runs(folder: Path, run: str) -> Iterator[tuple[str, int]]:
     """Yield the runs before this one that are not yet forgotten, and how many events each had."""
-    for path in sorted(folder.iterdir()):
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
         data = path.read_bytes()
         if path.name != run and len(data) == _NUMBER.size:
             yield path.name, _NUMBER.unpack(data)[0]

@@ -30,8 +30,11 @@ class Applying:
 
     @property
     def stopped(self) -> bool:
-        """Whether the emergency stop is in force; in a dry run it is only told."""
-        return bool(self._host.emergency)
+        """Whether the emergency stop keeps the robot from moving.
+
+        It cannot in a dry run, nor where the plan only observes: there it is only told.
+        """
+        return bool(self._host.emergency) and self._emergency.stops
 
     def apply(self, settings: Settings, wall_now: int) -> None:
         """Put settings in force; `wall_now` is the wall clock (ns) that overrides end by.

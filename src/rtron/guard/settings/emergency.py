@@ -24,6 +24,11 @@ class Emergency:
         for guarded in self._stopped:
             standard_info(guarded.stream.type, transport.encoding)
 
+    @property
+    def stops(self) -> bool:
+        """Whether there is anything that a stop keeps from moving the robot."""
+        return bool(self._stopped)
+
     def stop(self, stop: EmergencyStop) -> None:
         """Stop the robot; nothing changes if it is stopped for this already."""
         why = _told(stop)
