@@ -180,7 +180,8 @@ def test_stop_and_release(call):
     assert ": fire" in call("settings", "get", "drive").out
     refused = call("settings", "release", "--reason", "")
     assert (refused.code, "needs a reason" in refused.err) == (2, True)
-    assert call("settings", "release", "--reason", "all clear").out.startswith("revision 2")
+    ended = call("settings", "release", "--reason", "all clear").out
+    assert ended.startswith("stopped by token:me.0: fire\nrevision 2: sent")
     assert "EMERGENCY" not in call("settings", "get").out
 
 

@@ -5,7 +5,6 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus
@@ -39,7 +38,7 @@ def followed(called: Client, wanted: Wanted, last: int) -> Iterator[Event]:
 
 @dataclass(slots=True)
 class _Follower:
-    """Knows the newest event that was told, for when the service comes back."""
+    """Knows up to which event all is told."""
 
     called: Client
     wanted: Wanted
@@ -55,13 +54,24 @@ class _Follower:
             sys.stderr.write(f"the service is away, trying again: {error}\n")
 
     def _events(self, socket: ClientConnection) -> Iterator[Event]:
-        """Yield what was missed, then what is live; the two may overlap."""
-        missed = _missed(self.called, self.wanted, self.last)
-        known = {event["id"] for event in missed}
-        for event in chain(missed, (each for each in _live(socket) if each["id"] not in known)):
-            if _fits(event, self.wanted):
-                self.last = max(self.last, event["id"])
-                yield event
+        """Yield what was missed, then what is live; of many at once not all are told live."""
+        yield from self._missed()
+        for event in _live(socket):
+            if event["id"] > self.last + 1:
+                yield from self._missed()
+            if event["id"] > self.last:
+                self.last = event["id"]
+                if _fits(event, self.wanted):
+                    yield event
+
+    def _missed(self) -> Iterator[Event]:
+        """Yield what is stored after the last event, oldest first."""
+        newest = self.called.get("events", limit=1)["events"]
+        end = max(self.last, newest[0]["id"]) if newest else self.last
+        for event in _between(self.called, self.wanted, self.last, end):
+            self.last = event["id"]
+            yield event
+        self.last = end
 
 
 def _connected(called: Client) -> ClientConnection:
@@ -75,12 +85,12 @@ def _connected(called: Client) -> ClientConnection:
     )
 
 
-def _missed(called: Client, wanted: Wanted, last: int) -> list[Event]:
-    """Return what has happened since `last`, oldest first."""
+def _between(called: Client, wanted: Wanted, last: int, end: int) -> list[Event]:
+    """Return what has happened after `last` up to `end`, oldest first."""
     found: list[Event] = []
-    before = None
+    before: int | None = end + 1
     while True:
-        page = called.get("events", **wanted, after=last, before=before, limit=_PAGE)
+        page = called.get("events", **wanted, after=last or None, before=before, limit=_PAGE)
         found += page["events"]
         before = page["next"]
         if before is None:

@@ -69,7 +69,8 @@ def serve(  # noqa: PLR0913 - one for each option
 
     Ctrl-C ends it; guards go on with their last settings meanwhile.
 
-    Exit code: 0 ended, 2 bad options or no place to listen.
+    Exit code: 0 ended, 2 bad options, no place to listen, or another service on
+    the database.
     """
     need_service()
     from rtron.service.config import Config  # noqa: PLC0415 - only with the extra
@@ -98,15 +99,19 @@ def _log(level: LogLevel) -> None:
 
 
 def _run(config: "Config") -> None:
-    from rtron.service.app import create_app  # noqa: PLC0415 - only with the extra
+    from rtron.service.alone import alone  # noqa: PLC0415 - only with the extra
+    from rtron.service.app import create_app  # noqa: PLC0415
     from rtron.service.opening import add_first_admin  # noqa: PLC0415
     from rtron.service.serve import serve as run  # noqa: PLC0415
 
     app = create_app(config)
     service = app.state.service
-    password = add_first_admin(service.database, service.clock())
-    _greet(config, password)
-    run(app, config)
+
+    def ready() -> None:
+        _greet(config, add_first_admin(service.database, service.clock()))
+
+    with alone(service.database):
+        run(app, config, ready)
 
 
 def _greet(config: "Config", password: str | None) -> None:
@@ -116,6 +121,11 @@ def _greet(config: "Config", password: str | None) -> None:
     if password:
         sys.stderr.write(f"first start: log in as admin with the password {password}\n")
         sys.stderr.write("it is shown this once; change it in the console\n")
+    if not (config.is_local or config.allowed_hosts):
+        sys.stderr.write(
+            f"it answers only to the names {', '.join(sorted(config.names))}: "
+            "give the name that others call it by with --allow-host\n"
+        )
     if not (config.is_local or config.tls):
         sys.stderr.write(
             "WARNING: no TLS: whoever is on the network between can read passwords and tokens, "

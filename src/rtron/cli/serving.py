@@ -39,7 +39,20 @@ def need_service() -> None:
 
 @contextmanager
 def opened(database: str) -> "Iterator[Database]":
-    """Give the database, brought up to date."""
+    """Give the database, brought up to date; InputError if it is not there."""
+    need_service()
+    from rtron.service.opening import open_known_database  # noqa: PLC0415 - only with the extra
+
+    found = open_known_database(database)
+    try:
+        yield found
+    finally:
+        found.close()
+
+
+@contextmanager
+def made(database: str) -> "Iterator[Database]":
+    """Give the database, made if it is not there, brought up to date."""
     need_service()
     from rtron.service.opening import open_database  # noqa: PLC0415 - only with the extra
 

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated, Any
 
 import typer
@@ -17,7 +18,7 @@ from rtron.cli.client import (
 )
 from rtron.cli.options import TextOrJson
 from rtron.cli.outcome import FOUND, OK, Outcome, as_json
-from rtron.cli.settings_text import node_report, nodes_report, told
+from rtron.cli.settings_text import node_report, nodes_report, stopped_by, told
 from rtron.cli.settings_words import KEYS, patch_of
 from rtron.reports.lines import Report
 
@@ -132,7 +133,7 @@ def stop(
 
     $ rtron settings stop --robot car1 --token-file me.token
 
-    Every role may. A second one sends the first again.
+    Every role may. The same once more is sent again until it is in force.
 
     Exit code: as of `rtron settings set`.
     """
@@ -159,12 +160,17 @@ def release(
 
     $ rtron settings release --robot car1 --reason "area is clear"
 
+    Says whose stop that was. One that comes at the same moment stays.
+
     Exit code: as of `rtron settings set`.
     """
     called = client(service, token_file, ca)
     name = called.robot(robot)
-    view = called.delete("robots", name, "stop", body={"reason": reason})
-    return _outcome(called, name, view, timeout if wait else None)
+    seen = called.get("robots", name, "settings")
+    body = {"reason": reason, "revision": seen["revision"]}
+    view = called.delete("robots", name, "stop", body=body)
+    outcome = _outcome(called, name, view, timeout if wait else None)
+    return replace(outcome, shown=f"{stopped_by(seen)}{outcome.shown}")
 
 
 def _outcome(

@@ -7,6 +7,7 @@ from rich.text import Text
 
 from rtron.planning.durations import write_duration
 from rtron.reports.lines import Report, columns, heading, line
+from rtron.reports.neutral import neutral
 
 _View = Mapping[str, Any]
 _OUTCOMES = {
@@ -33,6 +34,12 @@ def told(view: _View) -> str:
     return f"revision {view['revision']}: {_OUTCOMES[view['outcome']]}{error}\n"
 
 
+def stopped_by(view: _View) -> str:
+    """Return on one line who has stopped the robot, and why."""
+    stop = view["settings"]["stop"]
+    return f"stopped by {neutral(_who_and_why(stop))}\n" if stop else ""
+
+
 def nodes_report(robot: str, view: _View, nodes: Sequence[_View]) -> Report:
     """Return the coordination nodes of a robot, a line each."""
     return Report(lambda _: [*_head(robot, view), *_nodes(nodes)])
@@ -52,8 +59,11 @@ def _head(robot: str, view: _View) -> Iterator[Text]:
 def _stop(view: _View) -> Iterator[Text]:
     stop = view["settings"]["stop"]
     if stop:
-        why = f": {stop['reason']}" if stop["reason"] else ""
-        yield line((f"EMERGENCY STOP by {stop['by']}{why}", "bold red"))
+        yield line((f"EMERGENCY STOP by {_who_and_why(stop)}", "bold red"))
+
+
+def _who_and_why(stop: _View) -> str:
+    return f"{stop['by']}" + (f": {stop['reason']}" if stop["reason"] else "")
 
 
 def _nodes(nodes: Sequence[_View]) -> Iterator[Text]:

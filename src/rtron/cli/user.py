@@ -11,6 +11,7 @@ from rtron.cli.serving import (
     DEFAULT_DATABASE,
     OFFLINE,
     DatabaseOption,
+    made,
     opened,
     secret_file,
 )
@@ -49,11 +50,14 @@ def add(
 ) -> Outcome:
     """Add a user with a new password, and show it this once.
 
+    A database that is not there is made: so the first admin can be added
+    before the service is started for the first time.
+
     $ rtron user add mary --role developer --role end_user
 
     Exit code: 0 added, 2 bad options or a name that is taken.
     """
-    with opened(database) as found, secret_file(password_file) as keep:
+    with made(database) as found, secret_file(password_file) as keep:
         from rtron.service.offline import make_user  # noqa: PLC0415 - only with the extra
 
         return Outcome(keep(make_user(found, OFFLINE, name, [each.value for each in role])))

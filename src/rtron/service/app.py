@@ -40,7 +40,8 @@ from rtron.service.console import routes as console
 from rtron.service.controller.controller import Controller
 from rtron.service.opening import open_database
 from rtron.service.service import Service
-from rtron.service.store.accounts.tokens import guard_of
+from rtron.service.store.accounts.tokens import find_guard
+from rtron.service.store.accounts.uses import note_use
 
 API = "/api/v1"
 _OF_API = (logins, robots, graphs, events, audit, users, tokens, webhooks, live)
@@ -79,8 +80,13 @@ def create_service(config: Config, clock: Clock = wall) -> Service:
 
 def _collector(service: Service) -> Collector:
     def authenticate(secret: str) -> str | None:
+        now = service.clock()
         with service.database.session() as session:
-            return guard_of(session, service.clock(), secret)
+            token = find_guard(session, now, secret)
+        if token is None:
+            return None
+        note_use(service.database, token, now)
+        return token.robot
 
     return Collector(
         database=service.database,

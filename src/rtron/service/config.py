@@ -25,8 +25,8 @@ class Config:
     """Where the service listens and keeps what; InputError if that is unsafe or impossible.
 
     `database` is a file or a URL. `allowed_hosts` are the names by which browsers and guards may
-    call it, beside loopback. `proxies` are addresses of reverse proxies, which must speak TLS to
-    the outside. `session_idle` and `session_longest` are in ns.
+    call it, beside loopback. `proxies` are addresses or networks of reverse proxies, which must
+    speak TLS to the outside. `session_idle` and `session_longest` are in ns.
     """
 
     database: str | Path = Path("rtron.db")
@@ -43,8 +43,10 @@ class Config:
     def __post_init__(self) -> None:
         _check_address(self)
         _check_retention(self.retention)
-        for name in (*self.allowed_hosts, *self.proxies):
+        for name in self.allowed_hosts:
             _check_name(name)
+        for proxy in self.proxies:
+            _check_proxy(proxy)
         if self.tls:
             _check_readable(self.tls.cert)
             _check_readable(self.tls.key)
@@ -92,6 +94,14 @@ def _check_name(name: str) -> None:
         if not all(part and part.replace("-", "").isalnum() and part.isascii() for part in parts):
             help = "give a name or an address without scheme, port and brackets"
             raise InputError(f"{name!r} is not the name of a host", help=help) from None
+
+
+def _check_proxy(proxy: str) -> None:
+    try:
+        ipaddress.ip_network(proxy)
+    except ValueError:
+        help = "for example --proxy 127.0.0.1, or --proxy 10.0.0.0/8; names are not looked up"
+        raise InputError(f"--proxy {proxy!r} is no IP address or network", help=help) from None
 
 
 def _check_readable(path: Path) -> None:

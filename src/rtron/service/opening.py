@@ -21,6 +21,14 @@ def open_database(where: str | Path) -> Database:
     return Database(where)
 
 
+def open_known_database(where: str | Path) -> Database:
+    """Open the database; InputError for a file that is not there: it would be the wrong one."""
+    if "://" not in str(where) and not Path(where).exists():
+        help = "give --database as `rtron serve` has it"
+        raise InputError("there is no such database", path=str(where), help=help)
+    return Database(where)
+
+
 def add_first_admin(database: Database, now: int) -> str | None:
     """Add the user `admin` with every role if there is no user; return the password, told once."""
     password = new_password()

@@ -66,7 +66,7 @@ def test_tokens(database):
     with database.session() as session:
         found = find_token(session, 6, secret)
         assert found is not None
-        assert (found.robot, found.used) == ("car1", 6)
+        assert (found.robot, found.used) == ("car1", None)
         assert find_token(session, 6, secret[:-1]) is None
         assert find_token(session, 5 + 86_400_000_000_000, secret) is None
         revoke_token(session, 7, "car1")

@@ -9,6 +9,7 @@ from threading import Thread
 
 import pytest
 from site_of_tests import wait_for
+from sqlalchemy import text
 
 from rtron.errors import InputError, SourceError
 from rtron.service.alerts import worker
@@ -282,3 +283,26 @@ def test_another_alarm_is_news(key):
     assert not repeats.is_one(EVENT | {key: "other"}, 1)
     assert not repeats.is_one(EVENT, MINUTE)
     assert repeats.is_one(EVENT, MINUTE + 1)
+
+
+def test_alerts_outlive_a_failing_database(app, clock, monkeypatch, hook, tell, receiver):
+    """Neither the look at the webhooks nor the note of a failure may end them."""
+    monkeypatch.setattr(worker, "PAUSES", (0.0, 0.0, 0.0))
+    hook()
+    tell(id=1, topic="/a")
+    assert number(receiver) == 1
+    database = app.state.service.database
+    with database.session() as session:
+        session.execute(text("ALTER TABLE webhooks RENAME TO gone"))
+    clock.sleep(10)
+    receiver.answers = [500] * 4
+    tell(id=2, topic="/b")
+    assert [number(receiver) for _ in range(4)] == [2] * 4
+    clock.sleep(10)
+    tell(id=3, topic="/c")
+    assert number(receiver) == 3
+    with database.session() as session:
+        session.execute(text("ALTER TABLE gone RENAME TO webhooks"))
+    clock.sleep(10)
+    tell(id=4, topic="/d")
+    assert number(receiver) == 4

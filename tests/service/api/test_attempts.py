@@ -112,3 +112,14 @@ def test_one_network_is_one_address(address, same):
 )
 def test_two_networks_are_two(address, other):
     assert network(address) != network(other)
+
+
+def test_what_nobody_judged_is_taken_back():
+    attempts = Attempts()
+    fail(attempts, "mary", "10.0.0.1", 0, ADDRESS.free - 1)
+    for _ in range(100):
+        assert attempts.begin("mary", "10.0.0.1", 0) == 0
+        attempts.take_back("mary", "10.0.0.1")
+    assert attempts.failed == ADDRESS.free - 1
+    fail(attempts, "mary", "10.0.0.1", 0, 1)
+    assert attempts.begin("mary", "10.0.0.1", 0) == SECOND

@@ -2,6 +2,7 @@
 
 import re
 import signal
+import socket
 import stat
 import subprocess
 import sys
@@ -11,10 +12,13 @@ import pytest
 from site_of_tests import free_port, wait_for
 
 from rtron.cli.main import main
+from rtron.errors import InputError
+from rtron.service.alone import alone
 from rtron.service.app import create_app
 from rtron.service.config import Config
 from rtron.service.store.accounts.passwords import matches
 from rtron.service.store.accounts.users import the_user
+from rtron.service.store.database import Database
 
 
 def rtron(folder, *arguments):
@@ -72,6 +76,7 @@ class Serving:
 
 def test_the_first_start_tells_the_password_once(tmp_path):
     with Serving(tmp_path) as serving:
+        wait_for(lambda: "change it in the console" in serving.said.read_text())
         said = serving.said.read_text()
         (password,) = re.findall(r"password (\S+)\n", said)
         assert serving.url in said
@@ -93,12 +98,43 @@ def test_the_first_start_tells_the_password_once(tmp_path):
         assert "Traceback" not in said
 
 
-def test_a_port_that_is_taken_is_told(tmp_path):
+def test_two_services_on_one_database_are_refused(tmp_path):
     with Serving(tmp_path) as serving:
         ran = rtron(tmp_path, "serve", "--port", serving.port)
     assert ran.returncode == 2
-    assert f"cannot listen on 127.0.0.1 port {serving.port}" in ran.stderr
+    assert "another `rtron serve` works on this database" in ran.stderr
     assert "help: " in ran.stderr
+    assert "password" not in ran.stderr
+
+
+def test_a_service_that_was_killed_leaves_no_lock(tmp_path):
+    with Serving(tmp_path):
+        pass
+    with Serving(tmp_path):
+        pass
+
+
+def test_a_port_that_is_taken_is_told(tmp_path):
+    with socket.socket() as sock:
+        sock.bind(("127.0.0.1", 0))
+        sock.listen()
+        port = sock.getsockname()[1]
+        ran = rtron(tmp_path, "serve", "--port", port)
+    assert ran.returncode == 2
+    assert f"cannot listen on 127.0.0.1 port {port}" in ran.stderr
+    assert "help: " in ran.stderr
+    assert "password" not in ran.stderr
+    with Serving(tmp_path) as serving:
+        wait_for(lambda: "password" in serving.said.read_text())
+
+
+def test_one_service_at_a_time_on_each_kind_of_database(database):
+    other = Database(database.url.render_as_string(hide_password=False))
+    with alone(database), pytest.raises(InputError, match="another"), alone(other):
+        pass
+    with alone(other):
+        pass
+    other.close()
 
 
 @pytest.mark.parametrize(
@@ -123,7 +159,16 @@ def test_bad_options_are_2_with_a_help_line(tmp_path, here, arguments, said):
 
 def test_without_tls_the_network_is_warned_of(tmp_path):
     with Serving(tmp_path, "--host", "0.0.0.0", "--insecure-http") as serving:
-        assert "WARNING: no TLS" in serving.said.read_text()
+        wait_for(lambda: "WARNING: no TLS" in serving.said.read_text())
+        said = "only to the names 0.0.0.0, 127.0.0.1, ::1, localhost"
+        assert said in serving.said.read_text()
+
+
+def test_a_name_is_enough(tmp_path):
+    words = ["--host", "0.0.0.0", "--insecure-http", "--allow-host", "x.example"]
+    with Serving(tmp_path, *words) as serving:
+        wait_for(lambda: "WARNING: no TLS" in serving.said.read_text())
+        assert "only to the names" not in serving.said.read_text()
 
 
 def test_without_the_extra_it_says_what_to_install(tmp_path):
@@ -141,7 +186,24 @@ def test_without_the_extra_it_says_what_to_install(tmp_path):
         assert 'pip install "rtron[service]"' in ran.stderr
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["token", "create", "a", "--scope", "read"],
+        ["token", "revoke", "a"],
+        ["user", "password", "admin"],
+    ],
+)
+def test_a_database_that_is_not_there_is_not_made(tmp_path, here, words):
+    code, _, err = here(*words)
+    assert code == 2
+    assert "there is no such database" in err
+    assert "give --database as `rtron serve` has it" in err
+    assert not (tmp_path / "rtron.db").exists()
+
+
 def test_a_guards_token_is_made_before_the_first_start(tmp_path, here):
+    assert here("user", "add", "admin", "--role", "admin")[0] == 0
     words = ["token", "create", "car1", "--scope", "guard", "--robot", "car1"]
     code, out, err = here(*words, "--token-file", "t")
     assert (code, err) == (0, "")
@@ -157,6 +219,7 @@ def test_a_guards_token_is_made_before_the_first_start(tmp_path, here):
 
 
 def test_a_file_that_is_there_is_not_overwritten_and_no_token_made(tmp_path, here):
+    assert here("user", "add", "admin", "--role", "admin")[0] == 0
     file = tmp_path / "t"
     file.write_text("mine")
     words = ["token", "create", "ci", "--scope", "read", "--token-file", "t"]
@@ -184,6 +247,7 @@ def test_a_file_that_is_there_is_not_overwritten_and_no_token_made(tmp_path, her
     ],
 )
 def test_what_cannot_be_is_2_with_the_reason(here, words, said):
+    assert here("user", "add", "admin", "--role", "admin")[0] == 0
     code, out, err = here(*words)
     assert (code, out) == (2, "")
     assert said in err

@@ -1,6 +1,7 @@
 import http.client
 import json
 import socket
+import threading
 import time
 
 import pytest
@@ -14,6 +15,8 @@ from rtron.service.api.gate.hosts import host_name
 from rtron.service.api.gate.nesting import DEEPEST, is_too_deep
 from rtron.service.app import create_app
 from rtron.service.config import Config
+from rtron.service.crowd import MOST as MOST_OF_ONE
+from rtron.service.crowd import MOST_NEAR, Crowd
 
 HEADERS = {
     "content-security-policy",
@@ -252,15 +255,30 @@ def test_a_body_that_does_not_come_is_not_waited_for(own_app):
         assert http_answer(sock)[0] == 408
 
 
-def test_only_a_few_large_bodies_are_read_at_a_time(port):
+@pytest.mark.parametrize(
+    "headers", [{"Content-Length": MOST + 1}, {"Transfer-Encoding": "chunked"}]
+)
+@pytest.mark.parametrize(("role", "status"), [("", 401), ("end_user", 403), ("read", 403)])
+def test_a_large_body_is_not_read_from_who_may_not_upload(port, people, headers, role, status):
+    given = {"Host": "localhost", **(people.token("t", role) if role else {}), **headers}
+    head = "".join(f"{name}: {value}\r\n" for name, value in given.items())
+    with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        sock.sendall(b"PUT /api/v1/robots/x/graph HTTP/1.1\r\n" + head.encode() + b"\r\n")
+        if "Transfer-Encoding" in headers:
+            sock.sendall(chunk(b" " * (MOST + 1)))
+        assert http_answer(sock)[0] == status
+
+
+def test_one_large_body_is_read_at_a_time(port, people):
+    token = people.token("dev", "developer")["Authorization"]
     head = (
         b"PUT /api/v1/robots/x/graph HTTP/1.1\r\nHost: localhost\r\n"
+        b"Authorization: " + token.encode() + b"\r\n"
         b"Content-Length: " + str(MOST_OF_GRAPH).encode() + b"\r\n\r\n"
     )
-    socks = [socket.create_connection(("127.0.0.1", port), timeout=30) for _ in range(5)]
+    socks = [socket.create_connection(("127.0.0.1", port), timeout=30) for _ in range(2)]
     for sock in socks:
-        sock.sendall(head + b"0" * (MOST + 1))
-        time.sleep(0)
+        sock.sendall(head)
     refused = wait_for(lambda: next(filter(_has_answer, socks), None))
     assert http_answer(refused)[0] == 503
     for sock in socks:
@@ -291,6 +309,11 @@ def _has_answer(sock):
         (b'"' + b"[" * 100, False),
         (b'"\\', False),
         (b"", False),
+        (b'"' + b"x" * 65535 + b"[" * 50 + b'"', False),
+        (b'"' + b"x" * 65534 + b'"' + b"[" * 50, True),
+        (b'"' + b"x" * 65534 + b'\\"' + b"[" * 50 + b'"', False),
+        (b"[" * 30 + b" " * 65536 + b"[" * 11, True),
+        (b"[" * 30 + b" " * 65536 + b"]" * 30 + b"[" * 40, False),
     ],
 )
 def test_nesting(document, deep):
@@ -302,6 +325,26 @@ def test_nesting_takes_linear_time():
     for document in (b'"\\"' * 350_000, b'"' + b'\\"' * 500_000, b"[" * MOST, b'"\\' * 500_000):
         is_too_deep(document)
     assert time.process_time() - began < 5
+
+
+def test_nesting_lets_other_threads_go_on():
+    """The longest pause of another thread is short beside the whole, and beside a second."""
+    document = b'"",' * (MOST_OF_GRAPH // 3) + b"[]" * DEEPEST
+    pauses, is_over = [0.0], threading.Event()
+
+    def tick():
+        last = time.monotonic()
+        while not is_over.wait(0.001):
+            now = time.monotonic()
+            pauses.append(now - last)
+            last = now
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    is_too_deep(document)
+    is_over.set()
+    thread.join()
+    assert max(pauses) < 1
 
 
 @pytest.mark.parametrize(
@@ -444,3 +487,106 @@ def test_a_head_that_does_not_come_ends_the_connection(own_app, monkeypatch):
             assert http_answer(sock)[0] == 200
             sock.sendall(request[:20])
             assert sock.recv(100) == b""
+
+
+@pytest.mark.parametrize("method", ["GET", "POST"])
+def test_a_body_that_does_not_come_ends_the_connection(own_app, monkeypatch, method):
+    """Also where it drips, and where the answer is there already."""
+    monkeypatch.setattr("rtron.service.serve._BODY_S", 0.5)
+    monkeypatch.setattr("rtron.service.serve._IDLE_S", 60)
+    head = f"{method} /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n"
+    with (
+        served(own_app) as port,
+        socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
+    ):
+        sock.sendall(head.encode())
+        sock.settimeout(0.05)
+        wait_for(lambda: _has_ended(sock))
+
+
+def _has_ended(sock):
+    """Send one more byte of the body; tell whether the connection is over."""
+    try:
+        sock.sendall(b"x")
+        return sock.recv(10_000) == b""
+    except TimeoutError:
+        return False
+    except OSError:
+        return True
+
+
+def test_an_idle_connection_ends(own_app, monkeypatch):
+    monkeypatch.setattr("rtron.service.serve._IDLE_S", 1)
+    with served(own_app) as port, socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        sock.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        assert http_answer(sock)[0] == 200
+        sock.settimeout(4)
+        assert sock.recv(100) == b""
+
+
+def test_no_address_has_all_connections(own_app, monkeypatch, people):
+    monkeypatch.setattr("rtron.service.crowd.MOST_NEAR", 3)
+    with served(own_app) as port:
+        place = ("127.0.0.1", port)
+        socks = [socket.create_connection(place, timeout=30) for _ in range(3)]
+        with socket.create_connection(place, timeout=30) as sock:
+            assert _refused(sock)
+        socks.pop().close()
+        wait_for(lambda: _is_served(place))
+        for sock in socks:
+            sock.close()
+
+
+def _refused(sock):
+    try:
+        return sock.recv(1) == b""
+    except ConnectionError:
+        return True
+
+
+def _is_served(place):
+    with socket.create_connection(place, timeout=30) as sock:
+        try:
+            sock.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            return http_answer(sock)[0] == 200
+        except (ConnectionError, http.client.HTTPException):
+            return False
+
+
+def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
+    """Many guards may be behind one address; their tokens bound them."""
+    monkeypatch.setattr("rtron.service.crowd.MOST_NEAR", 1)
+    headers = People(own_app.state.service).token("t", "read")
+    with served(own_app) as port:
+        options = {"additional_headers": headers, "proxy": None}
+        url = f"ws://127.0.0.1:{port}/api/v1/live"
+        with connect(url, **options), connect(url, **options):
+            assert len(own_app.state.sockets) == 2
+
+
+@pytest.mark.parametrize(
+    ("address", "most"),
+    [
+        ("127.0.0.1", MOST_NEAR),
+        ("::1", MOST_NEAR),
+        ("::ffff:127.0.0.1", MOST_NEAR),
+        ("10.1.2.3", MOST_NEAR),
+        ("", MOST_NEAR),
+        ("192.168.1.1", MOST_OF_ONE),
+        ("2001:db8::1", MOST_OF_ONE),
+    ],
+)
+def test_how_many_connections_an_address_may_have(address, most):
+    crowd = Crowd(("10.0.0.0/8",))
+    assert all(crowd.enter(address) for _ in range(most))
+    assert not crowd.enter(address)
+    crowd.leave(address)
+    assert crowd.enter(address)
+    assert crowd.enter("203.0.113.1")
+
+
+def test_neighbours_of_ipv6_are_one():
+    crowd = Crowd(())
+    assert all(crowd.enter(f"2001:db8::{number:x}") for number in range(MOST_OF_ONE))
+    assert not crowd.enter("2001:db8::ffff")
+    assert crowd.enter("2001:db8:0:1::1")

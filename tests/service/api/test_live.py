@@ -1,4 +1,5 @@
 import json
+import time
 
 import pytest
 from site_of_tests import wait_for
@@ -94,3 +95,15 @@ def test_there_are_not_too_many(app, monkeypatch, people, listening):
     wait_for(lambda: not app.state.sockets)
     with listening(headers):
         pass
+
+
+def test_an_open_console_is_no_use_of_the_session(app, clock, monkeypatch, people, listening):
+    monkeypatch.setattr(live, "_LOOK_S", 0.01)
+    headers = people.session("mary", "end_user")
+    with listening(headers) as socket:
+        until_listened(app)
+        for _ in range(6):
+            clock.sleep(0.4 * 3600)
+            app.state.service.hub.tell(MOVE)
+            time.sleep(0.1)
+        assert ended(socket) == 1008

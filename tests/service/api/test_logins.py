@@ -1,7 +1,10 @@
+from threading import BoundedSemaphore
+
 import pytest
 from site_of_tests import PASSWORD
 
 from rtron.service.api.attempts import ADDRESS
+from rtron.service.store.accounts import passwords
 from rtron.service.store.accounts.users import remove_user, set_disabled, set_roles, the_user
 
 HOUR = 3600
@@ -126,9 +129,17 @@ def test_a_session_ends_however_much_it_is_used(client, mary, login, clock, last
     headers = browser(login())
     for _ in range(11):
         clock.sleep(HOUR)
-        assert me(client, headers) == 200
+        assert client.get("/api/v1/robots", headers=headers).status_code == 200
     clock.sleep(last)
     assert me(client, headers) == status
+
+
+def test_to_ask_who_one_is_keeps_no_session_alive(client, mary, login, clock):
+    headers = browser(login())
+    clock.sleep(HOUR)
+    assert me(client, headers) == 200
+    clock.sleep(HOUR + 1)
+    assert me(client, headers) == 401
 
 
 def test_a_new_password_ends_the_other_sessions(client, mary, login, people):
@@ -142,7 +153,7 @@ def test_a_new_password_ends_the_other_sessions(client, mary, login, people):
     assert login(password=new).status_code == 200
 
 
-def test_the_old_password_is_needed_and_cannot_be_guessed(client, mary, login, audit):
+def test_the_old_password_is_needed_and_cannot_be_guessed(client, mary, login, audit, admin):
     headers = browser(login())
     change = {"old": "guess", "new": "another fine password"}
     answers = [
@@ -152,7 +163,9 @@ def test_the_old_password_is_needed_and_cannot_be_guessed(client, mary, login, a
     assert answers == [403] * ADDRESS.free + [429]
     assert login().status_code == 429
     refused = ("mary", "change password", "mary", "refused: the old password is wrong")
-    assert audit().count(refused) == ADDRESS.free
+    assert audit().count(refused) == 1
+    entries = client.get("/api/v1/audit", headers=admin).json()["entries"]
+    assert [e["detail"]["count"] for e in entries if "count" in e["detail"]] == [ADDRESS.free]
 
 
 @pytest.mark.parametrize(
@@ -212,3 +225,16 @@ def test_old_sessions_make_room(client, mary, login, clock):
         200,
         200,
     ]
+
+
+def test_too_many_at_this_moment_are_no_failures(app, client, monkeypatch, people):
+    people.user("mary", "end_user")
+    login = {"name": "mary", "password": PASSWORD}
+    with monkeypatch.context() as patched:
+        patched.setattr(passwords, "_admitted", BoundedSemaphore(1))
+        passwords._admitted.acquire()
+        for _ in range(3 * ADDRESS.free):
+            answer = client.post("/api/v1/login", json=login)
+            assert answer.json()["error"] == "too many logins at this moment"
+    assert app.state.attempts.failed == 0
+    assert client.post("/api/v1/login", json=login).status_code == 200

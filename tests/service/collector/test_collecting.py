@@ -1,16 +1,25 @@
 import asyncio
 import json
+import time
 from contextlib import suppress
+from dataclasses import replace
 from threading import Event, Thread
 
 import pytest
 from collecting import LIMIT_S, World, hear, hello, say, tell, until
+from failing_database import read_only
 from pydantic import TypeAdapter
 from sqlalchemy import text
+from sqlalchemy.exc import OperationalError
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from rtron.errors import InputError
+from rtron.errors import InputError, SourceError
+from rtron.service.api.credentials import Caller
+from rtron.service.api.models import UserRole
 from rtron.service.collector.closing import CloseCode
+from rtron.service.collector.hub import Hub
+from rtron.service.collector.states import LARGEST
+from rtron.service.controller.controller import Controller
 from rtron.service.store.database import Database
 from rtron.service.store.pages import EventFilter, event_page
 from rtron.vocabulary import EventKind, GuardEvent, GuardState, Level, Settings
@@ -19,7 +28,6 @@ from rtron.wire.link import (
     MOST_EVENTS,
     Applied,
     Events,
-    NewSettings,
     State,
     Stored,
     guard_bytes,
@@ -141,12 +149,86 @@ def _change(world):
         world.hub.push("one", world.controller.settings)
 
 
-def test_a_guard_may_begin_anew_on_its_connection(small):
+def test_a_guard_says_hello_once(small):
     with small.guard() as socket:
         say(socket, hello(run="second"))
-        assert isinstance(hear(socket), NewSettings)
+        assert closed(socket) == CloseCode.TOO_MUCH
+    assert len(small.controller.greeted) == 1
+
+
+def test_of_many_states_the_newest_are_told(small):
+    told = []
+    small.hub.update = lambda robot, link, state: told.append(state.at)
+    with small.guard() as socket:
+        for at in range(1, 51):
+            say(socket, State(state=GuardState(at=at, revision=1)))
+        until(lambda: told and told[-1] == 50)
+        assert told[0] == 1
+        assert len(told) < 25
+
+
+def test_a_flood_of_states_ends_the_connection(small):
+    with small.guard() as socket:
+        with suppress(ConnectionClosed):
+            for at in range(1, 1000):
+                say(socket, State(state=GuardState(at=at, revision=1)))
+        assert closed(socket) == CloseCode.TOO_MUCH
+
+
+@pytest.mark.parametrize("more", [0, 1])
+def test_a_state_is_bounded(small, more):
+    state = guard_bytes(State(state=GuardState(at=5, revision=3)))
+    with small.guard() as socket:
+        socket.send(state + b" " * (LARGEST - len(state) + more), text=True)
+        if more:
+            assert closed(socket) == CloseCode.TOO_BIG
+        else:
+            until(lambda: small.hub.state("one"))
+
+
+def test_a_guard_gets_its_settings_though_nothing_can_be_written(tmp_path):
+    """A stop that could not be stored reaches also a guard that connects again."""
+    database, hub = Database(tmp_path / "rtron.db"), Hub()
+    controller = Controller(database, hub, time.time_ns)
+    world = World(database)
+    world.hub, world.controller = hub, controller
+    world.collector = replace(world.collector, hub=hub, greeting=controller)
+    developer = Caller(name="mary", roles=frozenset(UserRole))
+    with world.serving():
+        with world.guard() as socket:
+            assert tell(socket, events(1, 1)) == ("run", 1)
+        controller.stop(developer, "one", "so")
+        with read_only(database):
+            with world.connect() as socket:
+                say(socket, hello())
+                given = hear(socket).settings
+                assert (given.revision, given.stop.reason) == (1, "so")
+                say(socket, Applied(revision=1))
+                with pytest.raises(SourceError):
+                    controller.stop(developer, "one", "again")
+                unstored = hear(socket).settings
+                assert unstored.stop.reason == "again"
+            with world.connect() as socket:
+                say(socket, hello())
+                assert hear(socket).settings == unstored
+                say(socket, Events(events=tuple(events(2, 2))))
+                assert closed(socket) == CloseCode.FAILED
+        with world.guard() as socket:
+            assert tell(socket, events(2, 2)) == ("run", 2)
+    database.close()
+
+
+def test_a_token_that_cannot_be_looked_up_ends_nothing(hasty):
+    looked = Event()
+
+    def away(_token):
+        looked.set()
+        raise OperationalError("", None, Exception())
+
+    with hasty.guard() as socket:
+        object.__setattr__(hasty.collector, "authenticate", away)
+        assert looked.wait(LIMIT_S)
         assert tell(socket, events(1, 1)) == ("run", 1)
-    assert small.tally.replaced == 0
 
 
 def test_the_state_is_live_until_the_guard_goes(small):
@@ -277,9 +359,10 @@ def test_who_does_not_read_is_dropped(tmp_path):
     database = Database(tmp_path / "rtron.db")
     with World(database, sending=0.3).serving() as world, world.connect(max_queue=1) as socket:
         say(socket, hello())
+        until(lambda: world.hub.connected("one"))
         revision = 1
         reason = {"by": "x", "reason": "y" * 1_000_000, "at": 1}
-        while world.hub.connected("one") or revision < 3:
+        while world.hub.connected("one"):
             revision += 1
             stop = {"revision": revision, "stop": reason}
             world.hub.push("one", _settings(stop))

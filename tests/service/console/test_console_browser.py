@@ -187,6 +187,38 @@ def test_every_role_stops_the_robot_with_two_presses(name, guard, page):
     page.sees_not("Emergency stop by")
 
 
+def test_a_stop_that_comes_while_one_ends_another_is_shown_first(console, guard, page):
+    page.expect("409")
+    path = "/robots/turtle1/stop"
+    console.call("POST", path, json={"reason": "fire"})
+    page.login("dev", "robots/turtle1/now")
+    page.press("End the emergency stop")
+    page.sees("Stopped by ada: fire", "dialog")
+    console.call("POST", path, name="eva", json={"reason": "a child"})
+    page.reason("the fire is out")
+    page.press("Let it move again", "dialog")
+    page.sees("Stopped by eva: a child", "dialog")
+    page.sees("changed meanwhile", "dialog")
+    assert guard.settings[-1].stop.by == "eva"
+    page.reason("the child is away")
+    page.press("Let it move again", "dialog")
+    page.until(lambda: guard.settings[-1].stop is None)
+
+
+def test_what_somebody_else_has_ended_is_told(console, guard, page):
+    page.expect("409")
+    path = "/robots/turtle1/stop"
+    revision = console.call("POST", path, json={"reason": "fire"}).json()["revision"]
+    page.login("dev", "robots/turtle1/now")
+    page.press("End the emergency stop")
+    page.reason("the fire is out")
+    body = {"revision": revision, "reason": "all is clear"}
+    assert console.call("DELETE", path, name="eva", json=body).status_code == 200
+    page.press("Let it move again", "dialog")
+    page.sees("turtle1 is not stopped any more")
+    page.until(lambda: not page.all("dialog"))
+
+
 def test_an_override_counts_down_and_can_be_ended(guard, page):
     page.login("dev", "robots/turtle1/nodes/rsrcn")
     page.press("Override …")

@@ -11,6 +11,7 @@ from controller_plans import (
     BOTH,
     DEVELOPER,
     END_USER,
+    Guards,
     World,
     caller,
     hello,
@@ -21,7 +22,12 @@ from sqlalchemy import select
 from sqlalchemy.exc import OperationalError
 
 from rtron.errors import InputError, SourceError, WireError
-from rtron.service.api.models import OverrideRequest, SettingsChange, SettingsOutcome
+from rtron.service.api.models import (
+    OverrideRequest,
+    ReleaseRequest,
+    SettingsChange,
+    SettingsOutcome,
+)
 from rtron.service.controller.changing import RevisionError
 from rtron.service.controller.known import find_known
 from rtron.service.errors import ConflictError, ForbiddenError, NotFoundError
@@ -35,6 +41,7 @@ from rtron.vocabulary import (
     FlowSettings,
     NodeSettings,
     PolicyName,
+    RuleSettings,
     Settings,
     TimedOverride,
 )
@@ -46,6 +53,13 @@ BLOCKED = {"drive": NodeSettings(policy=PolicyName.BLOCK)}
 
 def change(revision, nodes=None, reason="why"):
     return SettingsChange(revision=revision, nodes=nodes or BLOCK, reason=reason)
+
+
+def release(world, who, revision=None, reason="all clear"):
+    if revision is None:
+        revision = newest(world).revision
+    request = ReleaseRequest(revision=revision, reason=reason)
+    return world.controller.release(who, "r2", request)
 
 
 def audit(world):
@@ -302,13 +316,43 @@ def test_a_guard_with_newer_settings_is_never_asked_to_go_back(met):
     assert newest(met).reason == "the guard had revision 41, which was not in the database"
 
 
-def test_what_the_database_has_lost_is_taken_over_from_the_guard(met):
-    stop = EmergencyStop(by="ann", reason="fire", at=7)
-    lost = NodeSettings(policy=PolicyName.PREEMPTION)
-    theirs = Settings(revision=9, nodes={**BLOCKED, "wheels": lost}, stop=stop)
-    sent = met.controller.greet("r2", hello(plan(), settings=theirs))
-    assert sent == Settings(revision=10, nodes=BLOCKED, stop=stop)
+STOP = EmergencyStop(by="ann", reason="fire", at=7)
+
+
+def test_of_a_guards_settings_only_the_stop_is_taken_over(met):
+    """A robot's token may have been stolen: nobody has checked who may set the rest."""
+    own = {"mission": NodeSettings(rules={"quiet": RuleSettings(selected=False)})}
+    override = TimedOverride(by="ann", reason="docking", until=1 << 60)
+    theirs = Settings(revision=9, nodes={**BLOCKED, **own}, overrides={"speed": override})
+    met.controller.change(DEVELOPER, "r2", change(0, {"speed": {"threshold": 0.5}}))
+    kept = newest(met).settings
+    sent = met.controller.greet("r2", hello(plan(), settings=replace(theirs, stop=STOP)))
+    assert sent == replace(kept, revision=10, stop=STOP)
     assert newest(met).settings == sent
+
+
+@pytest.mark.parametrize("stop", [None, STOP])
+@pytest.mark.parametrize("revision", [0, 1, 2, 9])
+def test_no_hello_ends_or_replaces_a_stop(met, stop, revision):
+    mine = met.controller.stop(DEVELOPER, "r2", "flood").settings.stop
+    theirs = Settings(revision=revision, stop=stop)
+    for app in ("small", "other"):
+        assert met.controller.greet("r2", hello(plan(), settings=theirs, app=app)).stop == mine
+
+
+def test_a_stop_of_a_guard_at_a_known_revision_is_not_taken_over(met):
+    """It has been ended meanwhile."""
+    met.controller.stop(DEVELOPER, "r2", "fire")
+    release(met, DEVELOPER)
+    for revision in (1, 2):
+        theirs = Settings(revision=revision, stop=STOP)
+        assert met.controller.greet("r2", hello(plan(), settings=theirs)).stop is None
+
+
+def test_the_words_of_a_guards_stop_are_cut(met):
+    long = EmergencyStop(by="a" * 900, reason="b" * 9000, at=7)
+    sent = met.controller.greet("r2", hello(plan(), settings=Settings(revision=9, stop=long)))
+    assert (len(sent.stop.by), len(sent.stop.reason)) == (200, 200)
 
 
 def test_what_the_database_has_is_not_taken_from_the_guard(met):
@@ -320,6 +364,45 @@ def test_each_app_has_settings_of_its_own(met):
     met.controller.change(DEVELOPER, "r2", change(0))
     assert met.controller.greet("r2", hello(plan(), app="other")) == Settings()
     assert met.controller.greet("r2", hello(plan())).revision == 1
+
+
+def test_the_stop_goes_on_under_another_app(anywhere):
+    stop = anywhere.controller.stop(DEVELOPER, "r2", "fire").settings.stop
+    anywhere.controller.change(DEVELOPER, "r2", change(1))
+    assert anywhere.controller.greet("r2", hello(plan(), app="other")) == Settings(
+        revision=1, stop=stop
+    )
+    assert newest(anywhere).reason == "the robot is stopped, under another app"
+    assert audit(anywhere)[-1].detail["reason"] == "the robot is stopped, under another app"
+    release(anywhere, END_USER)
+    back = anywhere.controller.greet("r2", hello(plan(), revision=2))
+    assert back == Settings(revision=3, nodes=BLOCKED)
+    assert (
+        newest(anywhere).reason == "the emergency stop has been ended meanwhile, under another app"
+    )
+    assert anywhere.controller.greet("r2", hello(plan(), app="other")).stop is None
+
+
+def test_a_stop_under_another_app_is_there_when_the_first_comes_back(met):
+    met.controller.greet("r2", hello(plan(), app="other"))
+    stop = met.controller.stop(DEVELOPER, "r2", "fire").settings.stop
+    assert met.controller.greet("r2", hello(plan())).stop == stop
+    assert met.controller.greet("r2", hello(plan())).revision == 1
+
+
+def test_hellos_that_change_something_are_counted(met):
+    met.clock.now = 90 * SECOND
+    for number in range(10):
+        met.controller.greet("r2", hello(plan(), revision=2 * number + 1))
+    with pytest.raises(InputError, match="more than 10 hellos within a minute"):
+        met.controller.greet("r2", hello(plan(), revision=99))
+    assert newest(met).revision == 20
+    with pytest.raises(InputError):
+        met.controller.greet("r2", hello(plan(), app="other"))
+    assert met.controller.greet("r2", hello(plan(), revision=20)).revision == 20
+    met.controller.greet("r3", hello(plan()))
+    met.clock.now += 60 * SECOND
+    assert met.controller.greet("r2", hello(plan(), revision=99)).revision == 100
 
 
 def test_an_override_that_is_over_does_not_go_out(met):
@@ -354,9 +437,11 @@ def test_a_hello_that_no_guard_says_is_refused(world, odd):
 
 def test_the_apps_of_a_robot_are_counted(world):
     for number in range(100):
+        world.clock.now += 6 * SECOND
         world.controller.greet("r2", hello(plan(), app=f"app{number}"))
     with pytest.raises(InputError, match="100 apps"):
         world.controller.greet("r2", hello(plan(), app="one more"))
+    world.clock.now += 6 * SECOND
     world.controller.greet("r2", hello(plan(), app="app7"))
 
 
@@ -411,7 +496,7 @@ def test_every_role_may_stop_and_release(met, who):
     view = met.controller.stop(who, "r2", "fire")
     assert (view.revision, view.settings) == (1, Settings(revision=1, stop=stop))
     assert met.guards.pushed == [("r2", Settings(revision=1, stop=stop))]
-    view = met.controller.release(who, "r2", "all clear")
+    view = release(met, who)
     assert (view.revision, view.settings.stop) == (2, None)
     assert [row.action for row in audit(met)[-2:]] == ["stop", "stop.end"]
 
@@ -421,31 +506,52 @@ def test_a_token_without_a_role_may_not(met):
         met.controller.stop(caller(), "r2", "")
     met.controller.stop(END_USER, "r2", "")
     with pytest.raises(ForbiddenError):
-        met.controller.release(caller(), "r2", "all clear")
+        release(met, caller())
 
 
-def test_a_second_stop_goes_out_while_the_first_is_not_confirmed(met):
+def test_the_same_stop_goes_out_again_while_it_is_not_confirmed(met):
     first = met.controller.stop(DEVELOPER, "r2", "fire")
-    second = met.controller.stop(END_USER, "r2", "me too")
+    second = met.controller.stop(DEVELOPER, "r2", "fire")
     assert (second.revision, second.settings.stop) == (2, first.settings.stop)
     assert met.guards.pushed == [("r2", first.settings), ("r2", second.settings)]
     met.controller.answered("r2", Applied(revision=2))
-    assert met.controller.stop(END_USER, "r2", "me too").revision == 2
+    assert met.controller.stop(DEVELOPER, "r2", "fire").revision == 2
     assert len(met.guards.pushed) == 2
-    assert deeds(met)[-1] == ("eve", "stop", "done")
+
+
+@pytest.mark.parametrize(("who", "reason"), [(END_USER, "fire"), (DEVELOPER, "flood")])
+def test_anothers_stop_does_not_vanish_with_the_first(anywhere, who, reason):
+    first = anywhere.controller.stop(DEVELOPER, "r2", "fire")
+    anywhere.controller.answered("r2", Applied(revision=1))
+    second = anywhere.controller.stop(who, "r2", reason)
+    stop = second.settings.stop
+    assert (second.revision, stop.by, stop.reason) == (2, who.name, reason)
+    with pytest.raises(RevisionError) as caught:
+        release(anywhere, DEVELOPER, first.revision)
+    assert caught.value.newest == newest(anywhere) == second
+    assert anywhere.guards.pushed[-1][1].stop == stop
+    assert release(anywhere, DEVELOPER, 2).settings.stop is None
+
+
+@pytest.mark.parametrize("revision", [0, 2, 1 << 52])
+def test_the_end_is_of_the_newest_revision(met, revision):
+    met.controller.stop(DEVELOPER, "r2", "fire")
+    with pytest.raises(RevisionError):
+        release(met, DEVELOPER, revision)
+    assert newest(met).settings.stop
 
 
 @pytest.mark.parametrize("reason", ["", "ok", "  "])
 def test_the_end_needs_a_reason(met, reason):
     met.controller.stop(DEVELOPER, "r2", "")
     with pytest.raises(InputError, match="needs a reason"):
-        met.controller.release(DEVELOPER, "r2", reason)
+        release(met, DEVELOPER, reason=reason)
     assert newest(met).settings.stop
 
 
 def test_nothing_to_release(met):
     with pytest.raises(NotFoundError, match="not stopped"):
-        met.controller.release(DEVELOPER, "r2", "all clear")
+        release(met, DEVELOPER)
 
 
 def test_settings_can_change_while_stopped_and_the_stop_stays(met):
@@ -463,8 +569,8 @@ def test_a_stop_is_never_overtaken(anywhere):
         try:
             for _ in range(10):
                 anywhere.controller.stop(END_USER, "r2", "")
-                with suppress(NotFoundError):
-                    anywhere.controller.release(END_USER, "r2", "all clear")
+                with suppress(NotFoundError, RevisionError):
+                    release(anywhere, END_USER)
         except Exception as error:  # noqa: BLE001 - told below
             errors.append(error)
 
@@ -531,17 +637,178 @@ def test_a_stop_goes_out_even_if_it_cannot_be_stored(tmp_path):
     with pytest.raises(ForbiddenError):
         world.controller.stop(caller(), "r2", "fire")
     world.database.full = False
-    assert world.controller.greet("r2", hello(plan(), revision=1)).stop.reason == "fire"
-    view = world.controller.change(DEVELOPER, "r2", change(1, {"drive": {"policy": None}}))
-    assert (view.revision, view.settings.stop.reason) == (3, "fire")
-    assert world.controller.release(DEVELOPER, "r2", "all clear").settings.stop is None
+    sent = world.controller.greet("r2", hello(plan(), revision=2))
+    assert (sent.revision, sent.stop.reason, sent.nodes) == (3, "fire", BLOCKED)
+    assert (newest(world).settings, newest(world).by) == (sent, "eve")
+    view = world.controller.change(DEVELOPER, "r2", change(3, {"drive": {"policy": None}}))
+    assert (view.revision, view.settings.stop.reason) == (4, "fire")
+    assert release(world, DEVELOPER).settings.stop is None
     assert world.controller.greet("r2", hello(plan())).stop is None
     world.database.full = True
     with pytest.raises(SourceError):
         world.controller.stop(END_USER, "r2", "flood")
     _, sent = world.guards.pushed[-1]
-    assert (sent.revision, sent.stop.reason, sent.nodes) == (5, "flood", {})
+    assert (sent.revision, sent.stop.reason, sent.nodes) == (6, "flood", {})
     world.database.close()
+
+
+def test_a_stop_that_cannot_be_stored_goes_above_what_the_guard_has(tmp_path):
+    """A service that has begun again while the database is away."""
+    world = World(Full(tmp_path / "rtron.db"))
+    world.database.full = True
+    with pytest.raises(OperationalError):
+        world.controller.greet("r2", hello(plan(), settings=Settings(revision=7, nodes=BLOCKED)))
+    for revision in (8, 9):
+        with pytest.raises(SourceError):
+            world.controller.stop(END_USER, "r2", "fire")
+        _, sent = world.guards.pushed[-1]
+        assert (sent.revision, sent.stop.reason, sent.nodes) == (revision, "fire", BLOCKED)
+    world.database.full = False
+    assert world.controller.greet("r2", hello(plan(), settings=sent)).stop.reason == "fire"
+    world.database.close()
+
+
+@pytest.fixture
+def full(tmp_path):
+    """A world whose robot is stopped by a stop that could not be stored; there is room again."""
+    world = World(Full(tmp_path / "rtron.db"))
+    world.controller.greet("r2", hello(plan()))
+    world.database.full = True
+    with pytest.raises(SourceError):
+        world.controller.stop(END_USER, "r2", "fire")
+    world.database.full = False
+    yield world
+    world.database.close()
+
+
+def test_no_release_of_a_stop_that_nobody_could_see(full):
+    with pytest.raises(RevisionError) as caught:
+        release(full, DEVELOPER, 0)
+    newer = caught.value.newest
+    assert (newer.revision, newer.settings.stop.reason) == (2, "fire")
+    assert [settings.revision for _, settings in full.guards.pushed] == [1, 2]
+
+
+def test_a_change_after_a_stop_that_was_not_stored_sees_it_first(full):
+    with pytest.raises(RevisionError):
+        full.controller.change(DEVELOPER, "r2", change(0))
+    view = full.controller.change(DEVELOPER, "r2", change(2))
+    assert (view.revision, view.settings.stop.reason) == (3, "fire")
+
+
+def test_an_override_takes_along_the_stop_that_was_not_stored(full):
+    request = OverrideRequest(duration=60, reason="docking")
+    view = full.controller.override(END_USER, "r2", "speed", request)
+    assert (view.revision, view.settings.stop.reason) == (3, "fire")
+    again = full.again()
+    assert newest(again).settings.stop.reason == "fire"
+    again.database.close()
+
+
+class Slow(Guards):
+    """A hub that lets another person begin before it has sent revision 1."""
+
+    other: Thread
+
+    def push(self, robot, settings):
+        if settings.revision == 1:
+            self.other.start()
+            self.other.join(0.3)
+        super().push(robot, settings)
+
+
+def test_what_is_pushed_never_goes_back(tmp_path):
+    """The guard hears the revisions in the order in which they are stored."""
+    world = World(Database(tmp_path / "rtron.db"), guards=Slow())
+    world.guards.other = Thread(target=world.controller.stop, args=(END_USER, "r2", "fire"))
+    world.controller.greet("r2", hello(plan()))
+    world.controller.change(DEVELOPER, "r2", change(0))
+    world.guards.other.join()
+    assert [settings.revision for _, settings in world.guards.pushed] == [1, 2]
+    assert world.guards.pushed[-1][1].stop.reason == "fire"
+    world.database.close()
+
+
+def refused_block(world):
+    """Let the guard refuse revision 2, which blocks a flow; revision 1 is in force."""
+    world.controller.change(DEVELOPER, "r2", change(0))
+    world.controller.answered("r2", Applied(revision=1))
+    flows = {"drive": {"flows": {"flow1": {"block": True}}}}
+    world.controller.change(DEVELOPER, "r2", change(1, flows))
+    world.controller.answered("r2", Applied(revision=2, error="no"))
+
+
+def test_an_override_does_not_take_along_what_the_guard_refused(met):
+    refused_block(met)
+    request = OverrideRequest(duration=60, reason="docking")
+    assert met.controller.override(END_USER, "r2", "speed", request).settings.nodes == BLOCKED
+    assert nodes(met)[0].policy_settings["flows"][0]["block"] is False
+
+
+def test_a_change_does_not_take_along_what_the_guard_refused(met):
+    refused_block(met)
+    view = met.controller.change(DEVELOPER, "r2", change(2, {"speed": {"threshold": 0.5}}))
+    assert view.settings.nodes == {**BLOCKED, "speed": NodeSettings(threshold=0.5)}
+
+
+def test_what_was_refused_can_be_asked_for_again(met):
+    refused_block(met)
+    flows = {"drive": {"flows": {"flow1": {"block": True}}}}
+    view = met.controller.change(DEVELOPER, "r2", change(2, flows))
+    assert (view.revision, view.settings.nodes["drive"].flows["flow1"].block) == (3, True)
+
+
+def test_what_the_guard_took_last_is_left_out_where_another_plan_has_it_not(met):
+    met.controller.change(DEVELOPER, "r2", change(0))
+    met.controller.answered("r2", Applied(revision=1))
+    met.controller.greet("r2", hello(swapped("id: drive", "id: wheels")))
+    met.controller.answered("r2", Applied(revision=2, error="no"))
+    assert met.controller.stop(DEVELOPER, "r2", "fire").settings.nodes == {}
+
+
+# The audit log stays small.
+
+
+def test_the_same_refusal_is_one_line_a_minute(anywhere):
+    anywhere.clock.now = 90 * SECOND
+    for _ in range(50):
+        with pytest.raises(ForbiddenError):
+            anywhere.controller.change(ADMIN, "r2", change(0))
+    lines = [row for row in audit(anywhere) if row.who == "root"]
+    assert [(row.detail["count"], row.at) for row in lines] == [(50, 90 * SECOND)]
+    anywhere.clock.now += 60 * SECOND
+    with pytest.raises(ForbiddenError):
+        anywhere.controller.change(ADMIN, "r2", change(0))
+    assert "count" not in audit(anywhere)[-1].detail
+
+
+def test_other_refusals_are_lines_of_their_own_up_to_20(met):
+    request = OverrideRequest(duration=1, reason="docking")
+    for number in range(50):
+        with pytest.raises(NotFoundError):
+            met.controller.override(DEVELOPER, "r2", f"node{number}", request)
+    lines = [row for row in audit(met) if row.who == "dev"]
+    assert [row.detail.get("count", 1) for row in lines] == [1] * 19 + [31]
+
+
+def test_what_a_guard_says_again_and_again_is_counted(met):
+    for number in range(50):
+        met.controller.answered("r2", Applied(revision=0, error=f"no {number}"))
+        met.controller.answered("r2", Applied(revision=0))
+        met.controller.answered("r2", Applied(revision=7 + number))
+    lines = [row for row in audit(met) if row.action == "settings.answer"]
+    assert [(row.outcome, row.detail["count"]) for row in lines] == [
+        ("refused", 50),
+        ("applied", 50),
+    ]
+
+
+def test_what_changes_nothing_is_counted(met):
+    met.controller.stop(DEVELOPER, "r2", "fire")
+    met.controller.answered("r2", Applied(revision=1))
+    for _ in range(50):
+        met.controller.stop(DEVELOPER, "r2", "fire")
+    assert [row.detail.get("count") for row in audit(met) if row.action == "stop"] == [51]
 
 
 def test_no_secret_and_no_number_of_the_database_in_errors(met):

@@ -165,6 +165,25 @@ def test_a_mandatory_limit_cannot_be_raised(limit, policy):
     assert told.endswith("max_vel_limit is at most 0.5 m/s")
 
 
+@pytest.mark.parametrize(
+    ("threshold", "is_raised"), [(0.001, False), (0.02, False), (0.0200001, True)]
+)
+@pytest.mark.parametrize("policy", ["Safe", "Safe+Constrain"])
+def test_a_mandatory_threshold_can_be_lowered_not_raised(policy, threshold, is_raised):
+    given = swapped("policy: Safe", f"policy: {policy}\n  mandatory: {policy}")
+    after = Settings(nodes={"speed": NodeSettings(threshold=threshold)})
+    told = f"{policy} of speed is mandatory: threshold is at most 0.02 m/frame"
+    assert list(mandatory_breaches(given, after)) == [told] * is_raised
+
+
+@pytest.mark.parametrize("mandatory", ["", "\n  mandatory: Constrain", "\n  mandatory: Block"])
+def test_another_threshold_can_be_raised(mandatory):
+    policy = "Block" if "Block" in mandatory else "Safe+Constrain"
+    given = swapped("policy: Safe", f"policy: {policy}{mandatory}")
+    after = Settings(nodes={"speed": NodeSettings(threshold=0.9)})
+    assert list(mandatory_breaches(given, after)) == []
+
+
 @pytest.mark.parametrize("mandatory", ["", "\n  mandatory: Safe"])
 def test_another_limit_can_be_raised(mandatory):
     given = swapped("policy: Safe", f"policy: Safe+Constrain{mandatory}")

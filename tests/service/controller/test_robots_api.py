@@ -144,8 +144,16 @@ def test_overrides_and_the_stop(call):
     assert call("POST", "/nodes/nothing/override", json=body)[0] == 404
     assert call("POST", "/stop", who="admin")[1]["settings"]["stop"]["by"] == "token:admin"
     assert call("GET")[1]["stop"]["by"] == "token:admin"
-    assert call("DELETE", "/stop", json={"reason": ""})[0] == 422
-    assert call("DELETE", "/stop", json={"reason": "all clear"})[1]["settings"]["stop"] is None
+    revision = call("GET")[1]["revision"]
+    for short in ({"reason": "", "revision": revision}, {"reason": "all clear"}, {"revision": 1}):
+        assert call("DELETE", "/stop", json=short)[0] == 422
+    call("POST", "/stop", json={"reason": "me too"}, who="end_user")
+    body = {"reason": "all clear", "revision": revision}
+    status, said = call("DELETE", "/stop", json=body, who="admin")
+    assert (status, said["newest"]["revision"]) == (409, revision + 1)
+    assert said["newest"]["settings"]["stop"]["reason"] == "me too"
+    body["revision"] += 1
+    assert call("DELETE", "/stop", json=body)[1]["settings"]["stop"] is None
 
 
 def test_a_node_has_what_the_console_shows(call):

@@ -52,7 +52,8 @@ def test_an_emergency_stop_holds_through_a_restart_of_the_guard(app):
     wait_for(lambda: app.robot()["connected"] and app.stream().get("stopping"), what="the state")
     assert "smoke" in app.stream()["stopping"]
     heard = len(app.driven.navigation())
-    app.service.ask(f"/api/v1/robots/{ROBOT}/stop", "DELETE", {"reason": "it was steam"})
+    body = {"reason": "it was steam", "revision": app.robot()["revision"]}
+    app.service.ask(f"/api/v1/robots/{ROBOT}/stop", "DELETE", body)
     wait_for(lambda: len(app.driven.navigation()) > heard, what="navigation again")
 
 

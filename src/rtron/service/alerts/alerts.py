@@ -1,11 +1,13 @@
 """Alerts: what the guards report and people must see, sent to the webhooks."""
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager, suppress
 from typing import Any
 
 from anyio import to_thread
+from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.alerts.post import new_client
 from rtron.service.alerts.repeats import Repeats
@@ -15,6 +17,8 @@ from rtron.service.collector.hub import Hub
 from rtron.service.store.accounts.webhooks import all_webhooks, note_failing
 from rtron.service.store.database import Database
 from rtron.service.store.tables import WebhookRow
+
+log = logging.getLogger(__name__)
 
 _REFRESH = 1_000_000_000
 
@@ -58,11 +62,18 @@ class Alerts:
         now = self._clock()
         if self._looked is None or now - self._looked >= _REFRESH:
             self._looked = now
-            await self._refresh(habits)
+            await self._try_refresh(habits)
         wanted = [worker for worker, _ in self._workers.values() if worker.wants(event)]
         if wanted and not self._repeats.is_one(event, now):
             for worker in wanted:
                 worker.take(event)
+
+    async def _try_refresh(self, habits: Habits) -> None:
+        """Look which webhooks there are; if that fails, those of before go on."""
+        try:
+            await self._refresh(habits)
+        except SQLAlchemyError as error:
+            log.error("webhooks cannot be looked up: %s", type(error).__name__)  # noqa: TRY400
 
     async def _refresh(self, habits: Habits) -> None:
         rows = {row.id: row for row in await to_thread.run_sync(self._rows)}

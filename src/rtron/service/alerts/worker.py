@@ -9,6 +9,7 @@ from typing import Any
 
 import httpx
 from anyio import sleep, to_thread
+from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.alerts.post import CallError, Letter, post
 from rtron.service.clock import Clock
@@ -60,8 +61,16 @@ class Worker:
             event = await self._waiting.get()
             why = await self._sent(event)
             if why != self._failing:
-                self._failing = why
-                await to_thread.run_sync(self._habits.note, self.row.id, why)
+                await self._note(why)
+
+    async def _note(self, why: str) -> None:
+        """Note why the last call failed; if that fails, with the next alert."""
+        try:
+            await to_thread.run_sync(self._habits.note, self.row.id, why)
+        except SQLAlchemyError as error:
+            log.warning("webhook %s: %s is not noted", self.row.id, type(error).__name__)
+        else:
+            self._failing = why
 
     async def _sent(self, event: Mapping[str, Any]) -> str:
         """Send an alert, again and again within bounds; return why it was given up, or ""."""

@@ -6,7 +6,13 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from rtron.service.api.audited import note_refused
-from rtron.service.api.credentials import SAFE_METHODS, Caller, caller_of, check_csrf
+from rtron.service.api.credentials import (
+    SAFE_METHODS,
+    Caller,
+    caller_of,
+    check_csrf,
+    watcher_of,
+)
 from rtron.service.api.models import Scope, UserRole
 from rtron.service.errors import ForbiddenError
 from rtron.service.service import Served, Service
@@ -21,6 +27,7 @@ __all__ = [
     "Member",
     "Person",
     "Reader",
+    "Watcher",
 ]
 
 Allowed = Callable[[Caller], bool]
@@ -61,6 +68,12 @@ def _may_measure(caller: Caller) -> bool:
     return caller.may_read or Scope.METRICS in caller.scopes
 
 
+def _watcher(service: Served, request: Request) -> Caller:
+    return watcher_of(service, request)
+
+
+Watcher = Annotated[Caller, Depends(_watcher)]
+"""Whoever has a session or a valid token; that they look is no use of it."""
 Known = Annotated[Caller, Depends(_allow(lambda caller: True, ""))]
 """Whoever has a session or a valid token."""
 Person = Annotated[Caller, Depends(_allow(lambda caller: bool(caller.session), "a login"))]

@@ -64,6 +64,14 @@ class Attempts:
                 self.failed += 1
             return wait
 
+    def take_back(self, name: str, address: str) -> None:
+        """Take back an attempt that nobody has judged; the failures before it stay."""
+        with self._lock:
+            for known, key in ((self._names, name), (self._addresses, network(address))):
+                if failures := known.get(key):
+                    failures.count = max(0, failures.count - 1)
+            self.failed -= 1
+
     def succeeded(self, name: str, address: str) -> None:
         """Take back an attempt; the failures before it stay those of the address."""
         with self._lock:

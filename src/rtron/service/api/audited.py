@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from rtron.errors import RTronError
 from rtron.service.service import Service
-from rtron.service.store.audit import Deed, record
+from rtron.service.store.audit import Deed, record, record_often
 
 
 @contextmanager
@@ -25,4 +25,4 @@ def audited(service: Service, deed: Deed) -> Iterator[Session]:
 def note_refused(service: Service, deed: Deed, why: str) -> None:
     """Write down a deed that was refused."""
     with service.database.session() as session:
-        record(session, service.clock(), deed, f"refused: {why}")
+        record_often(session, service.clock(), deed, f"refused: {why}")

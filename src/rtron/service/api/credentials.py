@@ -10,11 +10,13 @@ from rtron.service.api.models import Scope, UserRole
 from rtron.service.config import Config
 from rtron.service.errors import ForbiddenError, LoginError
 from rtron.service.service import Service
-from rtron.service.store.accounts.logins import Lifetime, find_login, note_use
+from rtron.service.store.accounts.logins import Lifetime, find_login
 from rtron.service.store.accounts.secrets import digest
 from rtron.service.store.accounts.tokens import find_token
 from rtron.service.store.accounts.users import roles_of
+from rtron.service.store.accounts.uses import note_use
 from rtron.service.store.audit import Deed
+from rtron.service.store.tables import SessionRow, TokenRow
 
 CSRF_HEADER = "X-CSRF-Token"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -56,12 +58,16 @@ class Caller:
 def caller_of(service: Service, connection: HTTPConnection) -> Caller:
     """Return who a request, or a WebSocket, is from; LoginError if that is nobody.
 
-    Where there is a token, the cookie does not count.
+    Where there is a token, the cookie does not count. That it is used is noted.
     """
-    authorization = connection.headers.get("authorization")
-    if authorization is not None:
-        return _program(service, connection, authorization)
-    return _browser(service, connection)
+    caller, row = _found(service, connection)
+    note_use(service.database, row, service.clock())
+    return caller
+
+
+def watcher_of(service: Service, connection: HTTPConnection) -> Caller:
+    """Return who a request is from, as `caller_of` does, without noting a use: nobody acts."""
+    return _found(service, connection)[0]
 
 
 def check_csrf(caller: Caller, request: Request) -> None:
@@ -89,7 +95,18 @@ def address_of(connection: HTTPConnection) -> str:
     return connection.client.host[:60] if connection.client else ""
 
 
-def _program(service: Service, connection: HTTPConnection, authorization: str) -> Caller:
+def _found(
+    service: Service, connection: HTTPConnection
+) -> tuple[Caller, TokenRow] | tuple[Caller, SessionRow]:
+    authorization = connection.headers.get("authorization")
+    if authorization is not None:
+        return _program(service, connection, authorization)
+    return _browser(service, connection)
+
+
+def _program(
+    service: Service, connection: HTTPConnection, authorization: str
+) -> tuple[Caller, TokenRow]:
     secret = authorization[len(_BEARER) :].strip()
     if authorization[: len(_BEARER)].lower() != _BEARER or len(secret) > _LONGEST:
         raise LoginError("Authorization has no bearer token", help="Authorization: Bearer rtron_…")
@@ -98,27 +115,28 @@ def _program(service: Service, connection: HTTPConnection, authorization: str) -
     if token is None:
         raise LoginError("the token is unknown, over or revoked", help="ask an admin for one")
     scopes = frozenset(map(Scope, token.scopes))
-    return Caller(
+    caller = Caller(
         name=f"token:{token.name}",
         roles=frozenset(_ROLES[scope] for scope in scopes if scope in _ROLES),
         scopes=scopes,
         address=address_of(connection),
     )
+    return caller, token
 
 
-def _browser(service: Service, connection: HTTPConnection) -> Caller:
+def _browser(service: Service, connection: HTTPConnection) -> tuple[Caller, SessionRow]:
     secret = connection.cookies.get(cookie_name(service.config), "")
     hashed, now = digest(secret[:_LONGEST]), service.clock()
     with service.database.session() as session:
         found = find_login(session, now, hashed, lifetime(service.config))
-        if found is None:
-            raise LoginError("not logged in", help="log in, or send a token")
-        login, user = found
-        note_use(login, now)
-    return Caller(
+    if found is None:
+        raise LoginError("not logged in", help="log in, or send a token")
+    login, user = found
+    caller = Caller(
         name=user.name,
         roles=roles_of(user),
         address=address_of(connection),
         session=hashed,
         csrf=login.csrf,
     )
+    return caller, login

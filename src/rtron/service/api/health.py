@@ -1,12 +1,16 @@
 """Whether the service lives, and whether it can work; for supervisors and load balancers."""
 
 from fastapi import APIRouter
-from sqlalchemy import text
+from sqlalchemy import delete
 
 from rtron.service.api.models import Health, Problem
 from rtron.service.service import Served
+from rtron.service.store.accounts.uses import briefly
+from rtron.service.store.tables import AuditRow
 
 router = APIRouter()
+
+_PATIENCE_MS = 2000
 
 
 @router.get("/healthz")
@@ -17,7 +21,12 @@ async def healthz() -> Health:
 
 @router.get("/readyz", responses={503: {"model": Problem}})
 def readyz(service: Served) -> Health:
-    """Tell whether the database answers; 503 if not."""
-    with service.database.session() as session:
-        session.execute(text("SELECT 1"))
+    """Tell whether the database can be written; 503 if not. The row that is tried is not kept."""
+    with briefly(service.database, _PATIENCE_MS) as session:
+        row = AuditRow(
+            at=service.clock(), who="", address="", action="", target="", detail={}, outcome=""
+        )
+        session.add(row)
+        session.flush()
+        session.execute(delete(AuditRow).where(AuditRow.id == row.id))
     return Health()

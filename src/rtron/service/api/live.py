@@ -6,10 +6,11 @@ from contextlib import suppress
 
 from anyio import to_thread
 from fastapi import APIRouter, WebSocket
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from rtron.errors import RTronError
-from rtron.service.api.credentials import caller_of
+from rtron.service.api.credentials import watcher_of
 from rtron.service.errors import ForbiddenError
 from rtron.service.service import Served, Service
 
@@ -45,7 +46,7 @@ def _has_place(socket: WebSocket) -> bool:
 
 
 def _check(service: Service, socket: WebSocket) -> None:
-    caller = caller_of(service, socket)
+    caller = watcher_of(service, socket)
     if not caller.may_read:
         raise ForbiddenError("the token may not read")
 
@@ -67,7 +68,8 @@ async def _watch(socket: WebSocket, service: Service) -> None:
     with suppress(RTronError):
         while True:
             await asyncio.sleep(_LOOK_S)
-            await to_thread.run_sync(_check, service, socket)
+            with suppress(SQLAlchemyError):  # it is away: no reason to end what is live
+                await to_thread.run_sync(_check, service, socket)
 
 
 async def _first(*works: Coroutine[None, None, None]) -> None:

@@ -1,10 +1,12 @@
 """Logging in and out, and who one is."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from rtron.service.api.access import Caller, Known, Person
+from rtron.service.api.access import Caller, Person, Watcher
 from rtron.service.api.attempts import SECOND, Attempts
 from rtron.service.api.audited import audited, note_refused
 from rtron.service.api.credentials import address_of, cookie_name, lifetime
@@ -36,7 +38,8 @@ def login(
     """Log in with name and password; the session is in a cookie."""
     address = address_of(request)
     _wait_for_turn(attempts, service, given.name, address)
-    user = _judged(service, given, address)
+    with _judging(attempts, given.name, address):
+        user = _judged(service, given, address)
     attempts.succeeded(given.name, address)
     made = _begun(service, user, request)
     response.set_cookie(
@@ -63,7 +66,7 @@ def logout(caller: Person, response: Response, service: Served) -> None:
 
 
 @router.get("/me")
-def me(caller: Known) -> Me:
+def me(caller: Watcher) -> Me:
     """Tell who is logged in, and the CSRF token of the session ("" for a token)."""
     return Me(name=caller.name, roles=sorted(caller.roles), csrf=caller.csrf)
 
@@ -75,7 +78,9 @@ def change_password(
     """Change one's own password; one's other sessions end."""
     _wait_for_turn(attempts, service, caller.name, caller.address)
     deed = caller.deed("change password", caller.name)
-    if not matches(given.old, _hash_of(service, caller)):
+    with _judging(attempts, caller.name, caller.address):
+        is_right = matches(given.old, _hash_of(service, caller))
+    if not is_right:
         note_refused(service, deed, "the old password is wrong")
         raise ForbiddenError("the old password is wrong")
     attempts.succeeded(caller.name, caller.address)
@@ -89,6 +94,16 @@ def _wait_for_turn(attempts: Attempts, service: Service, name: str, address: str
     if wait:
         seconds = -(-wait // SECOND)
         raise TooManyError("too many attempts", wait=seconds, help=f"try again in {seconds} s")
+
+
+@contextmanager
+def _judging(attempts: Attempts, name: str, address: str) -> Iterator[None]:
+    """Take an attempt back that was not judged, since too many came at the same moment."""
+    try:
+        yield
+    except TooManyError:
+        attempts.take_back(name, address)
+        raise
 
 
 def _judged(service: Service, given: Login, address: str) -> UserRow:

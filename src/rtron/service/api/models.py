@@ -164,9 +164,16 @@ class OverrideRequest(Request):
 
 
 class StopRequest(Request):
-    """An emergency stop, or its end; the end needs a reason."""
+    """An emergency stop."""
 
     reason: Reason = ""
+
+
+class ReleaseRequest(Request):
+    """The end of the emergency stop that somebody has seen at `revision`; it needs a reason."""
+
+    revision: int = Field(ge=0, le=(1 << 53) - 1)
+    reason: Reason
 
 
 class EventView(BaseModel):

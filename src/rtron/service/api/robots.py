@@ -12,6 +12,7 @@ from rtron.service.api.models import (
     NodeParameters,
     OverrideRequest,
     Overtaken,
+    ReleaseRequest,
     RobotSummary,
     SettingsChange,
     SettingsView,
@@ -97,8 +98,7 @@ def change_settings(
     try:
         return service.controller.change(caller, robot, change)
     except RevisionError as error:
-        told = Overtaken(error=str(error), help=error.help, newest=error.newest)
-        return JSONResponse(told.model_dump(mode="json"), status_code=HTTPStatus.CONFLICT)
+        return _overtaken(error)
 
 
 @router.post("/{robot}/nodes/{node}/override")
@@ -123,7 +123,20 @@ def stop(
     return service.controller.stop(caller, robot, request.reason if request else "")
 
 
-@router.delete("/{robot}/stop")
-def release(robot: Robot, request: StopRequest, caller: Member, service: Served) -> SettingsView:
-    """End the emergency stop; it takes a reason. Every role may."""
-    return service.controller.release(caller, robot, request.reason)
+@router.delete("/{robot}/stop", response_model=SettingsView, responses=Conflict)
+def release(
+    robot: Robot, request: ReleaseRequest, caller: Member, service: Served
+) -> SettingsView | JSONResponse:
+    """End the emergency stop that was seen at a revision; it takes a reason. Every role may.
+
+    409 with the newest settings where that is another revision: somebody else may have stopped it.
+    """
+    try:
+        return service.controller.release(caller, robot, request)
+    except RevisionError as error:
+        return _overtaken(error)
+
+
+def _overtaken(error: RevisionError) -> JSONResponse:
+    told = Overtaken(error=str(error), help=error.help, newest=error.newest)
+    return JSONResponse(told.model_dump(mode="json"), status_code=HTTPStatus.CONFLICT)

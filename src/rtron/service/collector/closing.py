@@ -18,6 +18,7 @@ class CloseCode(IntEnum):
     REPLACED = 4409
     REFUSED = 4422
     PROTOCOL = 4426
+    TOO_MUCH = 4429
 
 
 class Closing(Exception):  # noqa: N818 - no error of ours: the way a connection ends

@@ -17,8 +17,10 @@ from rtron.service.collector.tally import Tally
 from rtron.service.store.database import Database
 from rtron.service.store.events import Added, Batch, add_events, lost, lost_events
 from rtron.service.store.retention import Bounds, forget
-from rtron.service.store.robots import meet_robot
-from rtron.vocabulary import EventKind, Level
+from rtron.service.store.robots import find_robot, meet_robot, plan_digest, plan_json
+from rtron.service.store.settings_rows import newest, settings_of
+from rtron.vocabulary import EventKind, Level, Settings
+from rtron.wire.link import Applied, Hello
 
 log = logging.getLogger(__name__)
 
@@ -74,10 +76,42 @@ class Collector:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
-    def meet(self, robot: str) -> int:
-        """Return the robot's id, and note that it was seen now."""
-        with self.database.writing() as session:
-            return meet_robot(session, robot, self.clock()).id
+    def greet(self, robot: str, hello: Hello) -> Settings:
+        """Return what to put in force; if nothing can be stored, the newest that is known."""
+        try:
+            return self.greeting.greet(robot, hello)
+        except SQLAlchemyError as error:
+            log.error("%s is greeted, which is not stored: %s", robot, type(error).__name__)  # noqa: TRY400
+        known = (hello.settings, self._newest(robot, hello), self.hub.pushed(robot))
+        return max(known, key=lambda settings: settings.revision)
+
+    def _newest(self, robot: str, hello: Hello) -> Settings:
+        """Return the newest settings of a guard's app, if they were made for its plan."""
+        with self.database.session() as session:
+            _, app = find_robot(session, robot) or (None, None)
+            if app is None or app.name != hello.app:
+                return Settings()
+            row = newest(session, app.id)
+            is_same = app.digest == plan_digest(plan_json(hello.plan))
+            return settings_of(row) if row and is_same else Settings()
+
+    def answered(self, robot: str, applied: Applied) -> None:
+        """Hand on what a guard answers; if that cannot be stored, it goes on all the same."""
+        try:
+            self.greeting.answered(robot, applied)
+        except SQLAlchemyError as error:
+            log.error("%s has answered, which is not stored: %s", robot, type(error).__name__)  # noqa: TRY400
+
+    def meet(self, robot: str) -> int | None:
+        """Return the robot's id, and note that it was seen now; None if it can be neither."""
+        try:
+            with self.database.writing() as session:
+                return meet_robot(session, robot, self.clock()).id
+        except SQLAlchemyError as error:
+            log.warning("%s is connected, which is not noted: %s", robot, type(error).__name__)
+        with self.database.session() as session:
+            found = find_robot(session, robot)
+        return found[0].id if found else None
 
     def _store(self, batches: Sequence[Batch]) -> Sequence[Added]:
         start = time.perf_counter()

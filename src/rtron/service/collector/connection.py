@@ -8,10 +8,12 @@ from functools import partial
 from typing import TypeAlias
 
 from fastapi import WebSocket, WebSocketDisconnect
+from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.collector.closing import CloseCode, Closing
 from rtron.service.collector.collector import Collector
 from rtron.service.collector.intake import Waiting
+from rtron.service.collector.states import States
 from rtron.service.store.events import Batch
 from rtron.service.store.rows import check
 from rtron.vocabulary import GuardEvent, Settings
@@ -48,11 +50,12 @@ class Connection:
         self._loop = asyncio.get_running_loop()
         self._wake = asyncio.Event()
         self._robot_id = 0
-        self._greeted = self._missed = False
+        self._has_said_hello = self._greeted = self._missed = False
         self._settings = Settings()
         self._due = False
         self._stored: dict[str, int] = {}
         self._closing: Closing | None = None
+        self._states = States(partial(collector.hub.update, robot, self))
 
     def push(self, settings: Settings) -> None:
         """Send settings, unless newer ones are on their way; from any thread."""
@@ -72,6 +75,7 @@ class Connection:
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+            self._states.stop()
             self._collector.hub.leave(self.robot, self)
         for task in done:
             task.result()
@@ -80,19 +84,19 @@ class Connection:
         async for message, size in self._messages():
             if isinstance(message, Hello):
                 await self._greet(message)
-            elif not self._robot_id:
+            elif not self._has_said_hello:
                 raise Closing(CloseCode.MALFORMED, "a guard says hello first")
             elif isinstance(message, Events):
                 await self._take(message.events, size)
             elif isinstance(message, State):
-                self._collector.hub.update(self.robot, self, message.state)
+                self._states.take(message.state, size)
             else:
-                await asyncio.to_thread(self._collector.greeting.answered, self.robot, message)
+                await asyncio.to_thread(self._collector.answered, self.robot, message)
 
     async def _messages(self) -> AsyncIterator[tuple[Message, int]]:
         patience = self._collector.patience
         while True:
-            wait = patience.silence if self._robot_id else patience.hello
+            wait = patience.silence if self._has_said_hello else patience.hello
             try:
                 frame = await asyncio.wait_for(self._frame(), wait)
             except asyncio.TimeoutError:
@@ -108,6 +112,9 @@ class Connection:
 
     async def _greet(self, hello: Hello) -> None:
         """Ask what to put in force; once more if that has changed while it was looked up."""
+        if self._has_said_hello:
+            raise Closing(CloseCode.TOO_MUCH, "a guard says hello once on a connection")
+        self._has_said_hello = True
         self._check(hello)
         self._greeted, self._missed = False, True
         if self._collector.hub.join(self.robot, self, dry_run=hello.dry_run):
@@ -117,9 +124,10 @@ class Connection:
             )
         while self._missed:
             self._missed = False
-            settings = await asyncio.to_thread(self._collector.greeting.greet, self.robot, hello)
+            settings = await asyncio.to_thread(self._collector.greet, self.robot, hello)
         self._greeted, self._settings, self._due = True, settings, True
-        self._robot_id = await asyncio.to_thread(self._collector.meet, self.robot)
+        found = await asyncio.to_thread(self._collector.meet, self.robot)
+        self._robot_id = found or 0
         self._wake.set()
 
     def _check(self, hello: Hello) -> None:
@@ -133,6 +141,8 @@ class Connection:
         """Hand events on; while there is no place for them, nothing more is read."""
         if len(events) > MOST_EVENTS:
             raise Closing(CloseCode.TOO_BIG, f"at most {MOST_EVENTS} events in one message")
+        if not self._robot_id:
+            raise Closing(CloseCode.FAILED, "the events could not be stored")
         for event in events:
             check(event)
         batch = Batch(self._robot_id, self.robot, events)
@@ -175,9 +185,10 @@ class Connection:
         """End with the token: it may be revoked, or over."""
         while True:
             await asyncio.sleep(self._collector.patience.token)
-            robot = await asyncio.to_thread(self._collector.authenticate, self._token)
-            if robot != self.robot:
-                raise Closing(CloseCode.NO_TOKEN, "the token is revoked, or over")
+            with suppress(SQLAlchemyError):  # it is away: no reason to leave a guard alone
+                robot = await asyncio.to_thread(self._collector.authenticate, self._token)
+                if robot != self.robot:
+                    raise Closing(CloseCode.NO_TOKEN, "the token is revoked, or over")
 
     def _push(self, settings: Settings) -> None:
         if not self._greeted:

@@ -57,7 +57,7 @@ async def _talk(collector: Collector, connection: Connection) -> None:
         raise Closing(CloseCode.FAILED, "the service has failed") from None
 
 
-_REFUSALS = frozenset({CloseCode.MALFORMED, CloseCode.TOO_BIG})
+_REFUSALS = frozenset({CloseCode.MALFORMED, CloseCode.TOO_BIG, CloseCode.TOO_MUCH})
 
 
 def _token(socket: WebSocket) -> str:

@@ -31,6 +31,7 @@ class _Robot:
     state: GuardState | None = None
     dropped: int = 0
     dry_run: bool = False
+    pushed: Settings = Settings()  # noqa: RUF009 - frozen
 
 
 _UNSEEN = _Robot()
@@ -69,10 +70,17 @@ class Hub:
         with self._lock:
             return self._seen(robot).dry_run
 
+    def pushed(self, robot: str) -> Settings:
+        """Return the newest settings that were pushed to the robot, connected or not."""
+        with self._lock:
+            return self._seen(robot).pushed
+
     def push(self, robot: str, settings: Settings) -> None:
         """Send settings to the robot's guard if it is connected; if not, it asks when it is."""
         with self._lock:
-            link = self._seen(robot).link
+            known = self._robots.setdefault(robot, _Robot())
+            known.pushed = max(known.pushed, settings, key=_revision)
+            link = known.link
         if link is not None:
             link.push(settings)
 
@@ -98,8 +106,9 @@ class Hub:
     def join(self, robot: str, link: Link, *, dry_run: bool) -> bool:
         """Take a guard's connection; return whether it replaces another one of the robot."""
         with self._lock:
-            old, dropped = self._seen(robot).link, self._seen(robot).dropped
-            self._robots[robot] = _Robot(link, None, dropped, dry_run)
+            before = self._seen(robot)
+            old = before.link
+            self._robots[robot] = _Robot(link, None, before.dropped, dry_run, before.pushed)
         replaced = old is not None and old is not link
         if old is not None and replaced:
             old.replace()
@@ -137,6 +146,10 @@ class Hub:
     def _forget(self, listener: Listener) -> None:
         with self._lock:
             self._listeners.discard(listener)
+
+
+def _revision(settings: Settings) -> int:
+    return settings.revision
 
 
 def _connection(robot: str, *, connected: bool) -> Live:

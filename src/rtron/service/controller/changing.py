@@ -63,9 +63,16 @@ def in_force_again(before: Settings, node: str) -> Settings:
 
 
 def stopped(before: Settings, who: str, reason: str, now: int) -> Settings:
-    """Return the settings with the emergency stop; one that is there already stays."""
-    stop = before.stop or EmergencyStop(by=who, reason=reason, at=now)
+    """Return the settings with the emergency stop; the same one stays, another's is replaced."""
+    stop = EmergencyStop(by=who, reason=reason, at=now)
+    if before.stop and is_same(before.stop, who, reason):
+        stop = before.stop
     return replace(before, stop=stop, revision=before.revision + 1)
+
+
+def is_same(stop: EmergencyStop, who: str, reason: str) -> bool:
+    """Tell whether somebody stops for what they have stopped for already."""
+    return (stop.by, stop.reason) == (who, reason)
 
 
 def released(before: Settings, reason: str) -> Settings:

@@ -4,12 +4,11 @@ What was answered is in the database before. Each change is one new revision, an
 overtaken has to look again; the emergency stop is not overtaken: it goes on top of the newest.
 """
 
-import json
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar
+from typing import TypeVar
 
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
@@ -18,6 +17,7 @@ from rtron.errors import RTronError, SourceError
 from rtron.service.api.credentials import Caller
 from rtron.service.api.models import (
     OverrideRequest,
+    ReleaseRequest,
     SettingsChange,
     SettingsOutcome,
     SettingsView,
@@ -29,11 +29,13 @@ from rtron.service.controller.changing import (
     allow_stop,
     changed,
     in_force_again,
+    is_same,
     overridden,
     released,
     stopped,
 )
-from rtron.service.controller.greetings import greeted
+from rtron.service.controller.deeds import answer_deed, place, short_nodes
+from rtron.service.controller.greetings import greeted, refuse_odd
 from rtron.service.controller.known import (
     Known,
     find_current_app,
@@ -41,9 +43,11 @@ from rtron.service.controller.known import (
     last_good,
     unexpired,
 )
+from rtron.service.controller.outgoing import Guards, Outgoing
+from rtron.service.controller.pace import Pace
 from rtron.service.controller.risk_model import node_json
-from rtron.service.errors import ConflictError
-from rtron.service.store.audit import Deed, record
+from rtron.service.errors import ConflictError, NotFoundError
+from rtron.service.store.audit import Deed, record, record_often
 from rtron.service.store.database import Database
 from rtron.service.store.robots import store_policy_settings
 from rtron.service.store.settings_rows import (
@@ -59,20 +63,9 @@ from rtron.wire.link import Applied, Hello
 
 log = logging.getLogger(__name__)
 _MOST_TRIES = 100
-_LONGEST_DETAIL = 2000
 _SERVICE = "rtron"
 _T = TypeVar("_T")
 _Make = Callable[[Session, Known], Settings | None]
-
-
-class Guards(Protocol):
-    """What the controller needs of the hub: the way to the guards, and to those who watch."""
-
-    def push(self, robot: str, settings: Settings) -> None:
-        """Send settings to the robot's guard, if it is connected."""
-
-    def tell(self, live: dict[str, Any]) -> None:
-        """Tell everybody who watches."""
 
 
 class Controller:
@@ -85,11 +78,10 @@ class Controller:
 
     def __init__(self, database: Database, hub: Guards, clock: Clock) -> None:
         self._database = database
-        self._hub = hub
+        self._outgoing = Outgoing(hub)
         self._clock = clock
-        self._sent: dict[str, Settings] = {}
-        self._unstored: dict[str, Settings] = {}
         self._dry_runs: dict[str, str] = {}
+        self._pace = Pace()
 
     def greet(self, robot: str, hello: Hello) -> Settings:
         """Store a guard's app, plan and coordination nodes; return what it is to put in force.
@@ -98,16 +90,23 @@ class Controller:
         """
 
         def store() -> Settings:
-            with self._database.writing() as session:
-                found = greeted(session, robot, hello, self._clock())
+            now = self._clock()
+            with self._database.writing(durable=True) as session:
+                found = greeted(session, robot, hello, now)
+                if found.is_changed:
+                    self._pace.take(robot, now)
                 self._note_dry_run(session, robot, hello)
             if found.is_new:
-                self._tell(robot, settings_view(found.row))
+                self._outgoing.tell(robot, settings_view(found.row))
             return found.settings
 
-        settings = self._above_unstored(robot, _insisting(store))
-        self._sent[robot] = settings
-        return settings
+        refuse_odd(hello)
+        with self._outgoing.alone(robot):
+            self._outgoing.meet(robot, hello.settings)
+            self._store_unstored(robot)
+            settings = _insisting(store)
+            self._outgoing.note(robot, settings)
+            return settings
 
     def answered(self, robot: str, applied: Applied) -> None:
         """Note what a guard has made of settings; one that refuses a stop gets it on its own."""
@@ -121,10 +120,10 @@ class Controller:
             outcome = SettingsOutcome.REFUSED if applied.error else SettingsOutcome.APPLIED
             is_new = answer(session, row, outcome, applied.error, now)
             if is_new:
-                record(session, now, _answer(robot, applied), outcome.value)
+                record_often(session, now, answer_deed(robot, applied), outcome.value)
             settings, view = settings_of(row), settings_view(row)
         if is_new:
-            self._tell(robot, view)
+            self._outgoing.tell(robot, view)
         if applied.error and settings.stop:
             self._stop_alone(robot, settings)
 
@@ -137,7 +136,7 @@ class Controller:
             "settings",
             robot,
             revision=change.revision,
-            nodes=_short(change.nodes),
+            nodes=short_nodes(change.nodes),
             reason=change.reason,
         )
 
@@ -145,7 +144,8 @@ class Controller:
             if change.revision != known.row.revision:
                 raise RevisionError(settings_view(known.row))
             after = changed(known.plan, known.settings, caller.roles, change)
-            return after if after.nodes != known.settings.nodes else None
+            again = known.row.error or after.nodes != known.settings.nodes
+            return after if again else None
 
         return self._revise(robot, deed, make, change.reason)
 
@@ -154,7 +154,7 @@ class Controller:
     ) -> SettingsView:
         """Let pass for a while what a coordination node forbids."""
         deed = caller.deed(
-            "override", _place(robot, node), duration=request.duration, reason=request.reason
+            "override", place(robot, node), duration=request.duration, reason=request.reason
         )
 
         def make(_session: Session, known: Known) -> Settings:
@@ -171,105 +171,113 @@ class Controller:
             allow_override(known.plan, caller.roles, node)
             return in_force_again(known.settings, node)
 
-        return self._revise(robot, caller.deed("override.end", _place(robot, node)), make, "")
+        return self._revise(robot, caller.deed("override.end", place(robot, node)), make, "")
 
     def stop(self, caller: Caller, robot: str, reason: str) -> SettingsView:
-        """Stop a robot until it is released; a second stop goes out unless the first is in force.
+        """Stop a robot until it is released; the same stop goes out again unless it is in force.
 
-        Where the database does not take it, it goes out all the same, and SourceError tells.
+        Another's stop, or one for another reason, takes its place, as a revision of its own. Where
+        the database does not take it, it goes out all the same, and SourceError tells.
         """
 
-        def make(session: Session, known: Known) -> Settings | None:
+        def make(_session: Session, known: Known) -> Settings | None:
             allow_stop(caller.roles)
-            confirmed = known.row.outcome == SettingsOutcome.APPLIED
-            if confirmed and settings_of(known.row).stop:
+            stop = known.settings.stop
+            is_confirmed = known.row.outcome == SettingsOutcome.APPLIED
+            if is_confirmed and stop and is_same(stop, caller.name, reason):
                 return None
-            return stopped(last_good(session, known), caller.name, reason, self._clock())
+            return stopped(known.settings, caller.name, reason, self._clock())
 
-        try:
-            return self._revise(robot, caller.deed("stop", robot, reason=reason), make, reason)
-        except SQLAlchemyError as error:
-            allow_stop(caller.roles)
-            log.exception("the emergency stop of %s is not stored", robot)
-            self._stop_unstored(caller, robot, reason)
-            told = f"the stop is sent, but not stored: {type(error).__name__}"
-            raise SourceError(told, help="is the disk full, or the database away?") from None
+        with self._outgoing.alone(robot):
+            try:
+                return self._revise(robot, caller.deed("stop", robot, reason=reason), make, reason)
+            except SQLAlchemyError as error:
+                allow_stop(caller.roles)
+                log.exception("the emergency stop of %s is not stored", robot)
+                self._outgoing.stop_unstored(robot, caller.name, reason, self._clock())
+                told = f"the stop is sent, but not stored: {type(error).__name__}"
+                raise SourceError(told, help="is the disk full, or the database away?") from None
 
-    def release(self, caller: Caller, robot: str, reason: str) -> SettingsView:
-        """End an emergency stop; it takes a reason."""
+    def release(self, caller: Caller, robot: str, request: ReleaseRequest) -> SettingsView:
+        """End the emergency stop of a revision; RevisionError if that is not the newest."""
 
         def make(_session: Session, known: Known) -> Settings:
             allow_stop(caller.roles)
-            return released(known.settings, reason)
+            if request.revision != known.row.revision:
+                raise RevisionError(settings_view(known.row))
+            return released(known.settings, request.reason)
 
-        deed = caller.deed("stop.end", robot, reason=reason)
-        return self._revise(robot, deed, make, reason)
+        detail = {"revision": request.revision, "reason": request.reason}
+        return self._revise(robot, caller.deed("stop.end", robot, **detail), make, request.reason)
 
     def _note_dry_run(self, session: Session, robot: str, hello: Hello) -> None:
         """Write once for each life of a guard that it forbids nothing."""
         if hello.dry_run and self._dry_runs.get(robot) != hello.run:
-            deed = Deed(who=f"guard:{robot}", action="dry_run", target=robot)
-            record(session, self._clock(), deed)
+            deed = Deed(
+                who=f"guard:{robot}", action="dry_run", target=robot, detail={"run": hello.run}
+            )
+            record_often(session, self._clock(), deed, "done")
             self._dry_runs[robot] = hello.run
 
     def _revise(self, robot: str, deed: Deed, make: _Make, reason: str) -> SettingsView:
         """Write what `make` makes of the newest settings; None if they are to stay as they are."""
-        with self._refusals(deed):
+        with self._outgoing.alone(robot), self._refusals(deed):
+            self._store_unstored(robot)
             return _insisting(lambda: self._write(robot, deed, make, reason))
 
     def _write(self, robot: str, deed: Deed, make: _Make, reason: str) -> SettingsView:
         now = self._clock()
-        with self._database.writing() as session:
-            known = self._known(session, robot, now)
+        with self._database.writing(durable=True) as session:
+            known = find_known(session, robot)
+            known = replace(known, settings=unexpired(last_good(session, known), now))
             made = make(session, known)
             row = known.row
             if made:
                 row = add(session, known.app.id, made, Author(by=deed.who, reason=reason, at=now))
-                if made.nodes != known.settings.nodes:
+                if made.nodes != settings_of(known.row).nodes:
                     in_force = node_json(effective(known.plan, made))
                     store_policy_settings(session, known.app.id, in_force)
-            record(session, now, deed)
+                record(session, now, deed)
+            else:
+                record_often(session, now, deed, "done")
         view = settings_view(row)
         if made:
-            self._hub.push(robot, made)
-            self._sent[robot] = made
-            self._unstored.pop(robot, None)
-            self._tell(robot, view)
+            self._outgoing.push(robot, made)
+            self._outgoing.tell(robot, view)
         return view
 
-    def _known(self, session: Session, robot: str, now: int) -> Known:
-        known = find_known(session, robot)
-        settings = self._above_unstored(robot, unexpired(known.settings, now))
-        return replace(known, settings=settings)
+    def _store_unstored(self, robot: str) -> None:
+        """Store, above what was sent, the stop that went out although it could not be stored."""
+        sent = self._outgoing.unstored(robot)
+        if sent is None or sent.stop is None:
+            return
+        stop = sent.stop
 
-    def _above_unstored(self, robot: str, settings: Settings) -> Settings:
-        """Return settings with the stop that went out although it could not be stored."""
-        unstored = self._unstored.get(robot)
-        if unstored is None or unstored.revision < settings.revision:
-            return settings
-        return replace(settings, revision=unstored.revision, stop=unstored.stop)
+        def make(_session: Session, known: Known) -> Settings:
+            above = max(known.settings.revision, sent.revision) + 1
+            return replace(known.settings, stop=stop, revision=above)
 
-    def _stop_unstored(self, caller: Caller, robot: str, reason: str) -> None:
-        """Send a stop on top of what was last sent, to be stored with what comes next."""
-        before = self._unstored.get(robot) or self._sent.get(robot, Settings())
-        settings = stopped(before, caller.name, reason, self._clock())
-        self._unstored[robot] = settings
-        self._hub.push(robot, settings)
+        deed = Deed(who=stop.by, action="stop", target=robot, detail={"reason": stop.reason})
+        try:
+            _insisting(lambda: self._write(robot, deed, make, stop.reason))
+        except NotFoundError:
+            self._outgoing.forget(robot)
 
     def _stop_alone(self, robot: str, refused: Settings) -> None:
         """Send a stop that was refused again, with what the guard last took, or with nothing."""
         deed = Deed(who=_SERVICE, action="stop", target=robot)
 
-        def make(session: Session, known: Known) -> Settings:
-            last = last_good(session, known)
-            nodes = {} if last.nodes == known.settings.nodes else last.nodes
-            return replace(known.settings, nodes=nodes, revision=known.settings.revision + 1)
+        def make(_session: Session, known: Known) -> Settings:
+            last = known.settings
+            nodes = {} if last.nodes == settings_of(known.row).nodes else last.nodes
+            return replace(last, nodes=nodes, revision=last.revision + 1)
 
-        with self._database.writing() as session:
-            row = find_known(session, robot).row
-        if row.revision == refused.revision and refused.nodes:
-            told = f"the guard refused revision {refused.revision}; the stop stays"
-            self._revise(robot, deed, make, told)
+        with self._outgoing.alone(robot):
+            with self._database.session() as session:
+                row = find_known(session, robot).row
+            if row.revision == refused.revision and refused.nodes:
+                told = f"the guard refused revision {refused.revision}; the stop stays"
+                self._revise(robot, deed, make, told)
 
     @contextmanager
     def _refusals(self, deed: Deed) -> Iterator[None]:
@@ -278,12 +286,8 @@ class Controller:
             yield
         except RTronError as error:
             with suppress(SQLAlchemyError), self._database.writing() as session:
-                record(session, self._clock(), deed, f"refused: {error}")
+                record_often(session, self._clock(), deed, f"refused: {error}")
             raise
-
-    def _tell(self, robot: str, view: SettingsView) -> None:
-        live = {"type": "settings", "robot": robot, "view": view.model_dump(mode="json")}
-        self._hub.tell(live)
 
 
 def _insisting(attempt: Callable[[], _T]) -> _T:
@@ -292,16 +296,3 @@ def _insisting(attempt: Callable[[], _T]) -> _T:
         with suppress(IntegrityError):
             return attempt()
     raise ConflictError("too many change this at the same moment", help="try again")
-
-
-def _answer(robot: str, applied: Applied) -> Deed:
-    detail = {"revision": applied.revision, "error": applied.error[:_LONGEST_DETAIL]}
-    return Deed(who=f"guard:{robot}", action="settings.answer", target=robot, detail=detail)
-
-
-def _short(nodes: Mapping[str, Any]) -> str:
-    return json.dumps(nodes)[:_LONGEST_DETAIL]
-
-
-def _place(robot: str, node: str) -> str:
-    return f"{robot}/{node}"

@@ -14,7 +14,7 @@ from rtron.service.clock import Clock
 from rtron.service.controller.app_graph import planned_graph
 from rtron.service.controller.greetings import store_risk_models
 from rtron.service.controller.known import Known, find_known
-from rtron.service.store.audit import record
+from rtron.service.store.audit import record, record_often
 from rtron.service.store.database import Database
 from rtron.service.store.graphs import find_graph, store_graph
 from rtron.service.store.tables import GraphRow
@@ -46,7 +46,7 @@ def upload(
             record(session, now, deed)
     except RTronError as error:
         with database.session() as session:
-            record(session, now, deed, f"refused: {error}")
+            record_often(session, now, deed, f"refused: {error}")
         raise
     return risks
 

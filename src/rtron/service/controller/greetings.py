@@ -24,7 +24,7 @@ from rtron.service.store.robots import (
 )
 from rtron.service.store.settings_rows import Author, add, newest, settings_of
 from rtron.service.store.tables import AppRow, RobotRow, SettingsRow
-from rtron.vocabulary import Plan, Settings, effective
+from rtron.vocabulary import EmergencyStop, Plan, Settings, effective
 from rtron.wire.link import Hello
 
 MOST_APPS = 100
@@ -39,16 +39,19 @@ _TOLD = 5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Greeted:
-    """The settings that a guard is to put in force, their row, and whether they are new."""
+    """The settings that a guard is to put in force, their row, and whether they are new.
+
+    `is_changed`: the robot's app, its plan or the settings are others than before.
+    """
 
     settings: Settings
     row: SettingsRow
     is_new: bool
+    is_changed: bool
 
 
 def greeted(session: Session, robot: str, hello: Hello, now: int) -> Greeted:
-    """Store a robot's app, plan and coordination nodes; WireError if the plan is none."""
-    _refuse_odd(hello)
+    """Store a robot's app, plan and coordination nodes, those of a hello that is not odd."""
     return _Meeting(session, robot, hello, now).greeted()
 
 
@@ -66,8 +69,8 @@ def app_risks(session: Session, app: AppRow, plan: Plan) -> list[dict[str, objec
     return found
 
 
-def _refuse_odd(hello: Hello) -> None:
-    """Refuse what no guard sends: it would not fit into the database, or into a console."""
+def refuse_odd(hello: Hello) -> None:
+    """Raise WireError for what no guard sends: it would not fit into the database, or a console."""
     nodes = [node for _, node in coordination(hello.plan)]
     ids = {node.id for node in nodes}
     if len(hello.app) > _LONGEST_APP or not 0 <= hello.revision < _MOST_REVISION:
@@ -76,6 +79,10 @@ def _refuse_odd(hello: Hello) -> None:
         raise WireError("the coordination nodes of the guard's plan have no ids of their own")
     if max(map(len, ids), default=0) > _LONGEST_APP:
         raise WireError(f"the id of a coordination node is longer than {_LONGEST_APP} characters")
+
+
+def _short(stop: EmergencyStop | None) -> EmergencyStop | None:
+    return stop and replace(stop, by=stop.by[:_LONGEST_APP], reason=stop.reason[:_LONGEST_APP])
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,17 +97,21 @@ class _Meeting:
     def greeted(self) -> Greeted:
         robot = meet_robot(self.session, self.robot, self.now)
         app, is_changed = self._app(robot)
-        robot.app_id = app.id
+        last, robot.app_id = robot.app_id, app.id
         before = newest(self.session, app.id)
         row = before or self._add(app, Settings(), "the plan")
         if is_changed:
             self._note("plan", app=app.name, digest=app.digest, dry_run=self.hello.dry_run)
             row = self._fitted(app, row)
+        if last not in (None, app.id):
+            row = self._stopped_as(app, row, newest(self.session, last))
         row = self._above(app, row)
         if is_changed:
             store_risk_models(self.session, app, self.hello.plan, settings_of(row))
         settings = unexpired(settings_of(row), self.now)
-        return Greeted(settings=settings, row=row, is_new=row is not before)
+        is_new = row is not before
+        is_changed = is_changed or is_new or last != app.id
+        return Greeted(settings=settings, row=row, is_new=is_new, is_changed=is_changed)
 
     def _app(self, robot: RobotRow) -> tuple[AppRow, bool]:
         """Return the app with its plan, and whether either is new."""
@@ -130,16 +141,26 @@ class _Meeting:
         return self._add(app, after, f"the plan has changed, left out: {told}")
 
     def _above(self, app: AppRow, row: SettingsRow) -> SettingsRow:
-        """Take over the guard's settings where the database has lost them: a guard never goes back.
+        """Go above the guard's revision where the database has lost it: a guard never goes back.
 
-        So an older copy of the database ends no emergency stop.
+        Of the guard's settings only an emergency stop counts, so that an older copy of the database
+        ends none; nobody has been asked whether a guard may set the rest.
         """
         if self.hello.revision <= row.revision:
             return row
-        left, _ = still_fitting(self.hello.plan, self.hello.settings)
-        after = replace(left, revision=self.hello.revision + 1)
+        known, theirs = settings_of(row), self.hello.settings.stop
+        after = replace(known, revision=self.hello.revision + 1, stop=known.stop or _short(theirs))
         told = f"the guard had revision {self.hello.revision}, which was not in the database"
         return self._add(app, after, told)
+
+    def _stopped_as(self, app: AppRow, row: SettingsRow, last: SettingsRow | None) -> SettingsRow:
+        """Take over the emergency stop, or its end, of the app before: it is the robot's."""
+        known, stop = settings_of(row), settings_of(last).stop if last else None
+        if known.stop == stop:
+            return row
+        after = replace(known, revision=row.revision + 1, stop=stop)
+        told = "the robot is stopped" if stop else "the emergency stop has been ended meanwhile"
+        return self._add(app, after, f"{told}, under another app")
 
     def _add(self, app: AppRow, settings: Settings, reason: str) -> SettingsRow:
         self._note("settings", revision=settings.revision, reason=reason)

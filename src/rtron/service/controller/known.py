@@ -8,7 +8,7 @@ from rtron.service.errors import NotFoundError
 from rtron.service.store.robots import find_robot, plan_of
 from rtron.service.store.settings_rows import last_applied, newest, settings_of
 from rtron.service.store.tables import AppRow, SettingsRow
-from rtron.vocabulary import Plan, Settings
+from rtron.vocabulary import Plan, Settings, fitting
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,11 +42,15 @@ def find_current_app(session: Session, robot: str) -> AppRow:
 
 
 def last_good(session: Session, known: Known) -> Settings:
-    """Return the newest settings; if the guard has refused them, with the nodes it last took."""
+    """Return the newest settings; if the guard has refused them, with the nodes it last took.
+
+    Of those the ones that the plan still has.
+    """
     if not known.row.error:
         return known.settings
     applied = last_applied(session, known.app.id)
-    return replace(known.settings, nodes=settings_of(applied).nodes if applied else {})
+    taken, _ = fitting(known.plan, settings_of(applied) if applied else Settings())
+    return replace(known.settings, nodes=taken.nodes)
 
 
 def unexpired(settings: Settings, now: int) -> Settings:

@@ -7,7 +7,7 @@ nobody can take away here: only the plan can.
 from collections.abc import Collection, Iterator, Mapping
 
 from rtron.planning.coherence.msrcn import flows_by_name
-from rtron.planning.coherence.rsrcn import BY_LIMIT, included
+from rtron.planning.coherence.rsrcn import BY_LIMIT, BY_RATE, included
 from rtron.service.api.models import Right, UserRole
 from rtron.vocabulary import (
     MSRCN,
@@ -151,11 +151,15 @@ def _limits(plan: RSRCN, after: RSRCN) -> Iterator[str]:
         return
     if plan.mandatory not in included(after.policy):
         yield f"{plan.mandatory} of {plan.id} is mandatory: {after.policy} would deselect it"
-    if plan.mandatory not in BY_LIMIT or plan.max_vel_limit is None:
-        return
-    if after.max_vel_limit is not None and after.max_vel_limit > plan.max_vel_limit:
-        most = f"{plan.max_vel_limit:g} m/s"
-        yield f"{plan.mandatory} of {plan.id} is mandatory: max_vel_limit is at most {most}"
+    told = f"{plan.mandatory} of {plan.id} is mandatory"
+    if plan.mandatory in BY_LIMIT and _is_raised(plan.max_vel_limit, after.max_vel_limit):
+        yield f"{told}: max_vel_limit is at most {plan.max_vel_limit:g} m/s"
+    if plan.mandatory in BY_RATE and _is_raised(plan.threshold, after.threshold):
+        yield f"{told}: threshold is at most {plan.threshold:g} m/frame"
+
+
+def _is_raised(most: float | None, after: float | None) -> bool:
+    return most is not None and after is not None and after > most
 
 
 def _rule(rule: Rule, after: MSRCN) -> Iterator[str]:

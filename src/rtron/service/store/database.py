@@ -22,7 +22,7 @@ class Database:
 
     `where` is a file, or a URL like `postgresql://user@host/name`; InputError if it is neither,
     SourceError if the server does not answer. What a session has committed outlives a kill of the
-    process; with SQLite a power cut may cost the last commits, never the file.
+    process; with SQLite a power cut may cost the last commits that are not durable, never the file.
     """
 
     def __init__(self, where: str | Path) -> None:
@@ -47,13 +47,17 @@ class Database:
             yield session
 
     @contextmanager
-    def writing(self) -> Iterator[Session]:
+    def writing(self, *, durable: bool = False) -> Iterator[Session]:
         """Give a transaction that is going to write, and has nobody to wait for when it begins.
+
+        A durable one, once committed, outlives a power cut too: SQLite waits for the disk.
 
         SQLite knows one writer. Whoever meets another one there sleeps, up to 100 ms at a time;
         so those of this process wait for each other here.
         """
         with self._writer, self.session() as session:
+            if durable and self.is_sqlite:
+                session.connection().exec_driver_sql("PRAGMA synchronous=FULL")
             yield session
 
     def close(self) -> None:
@@ -81,6 +85,7 @@ def _engine(url: URL) -> Engine:
         return create_engine(url, pool_pre_ping=True, connect_args=timeout, **quiet)
     engine = create_engine(url, connect_args={"timeout": _BUSY_S}, **quiet)
     event.listen(engine, "connect", _prepare)
+    event.listen(engine, "checkin", _no_longer_durable)
     return engine
 
 
@@ -88,3 +93,8 @@ def _prepare(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite
     """Readers and the one writer do not wait for each other (SQLite: Write-Ahead Logging)."""
     for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON"):
         connection.execute(f"PRAGMA {pragma}")
+
+
+def _no_longer_durable(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite3's own
+    if connection is not None:
+        connection.execute("PRAGMA synchronous=NORMAL")

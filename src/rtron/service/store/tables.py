@@ -143,7 +143,7 @@ class EventRow(Table):
 class SettingsRow(Table):
     """The settings of an app at one revision; `outcome` is pending, applied, refused or replaced.
 
-    `changes` is what was asked for, as the audit log has it.
+    `by`, `reason` and `at` are who made it; `outcome`, `error` and `answered` what the guard said.
     """
 
     __tablename__ = "settings"

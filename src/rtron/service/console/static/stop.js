@@ -4,7 +4,7 @@ import { at, post, remove } from "./api.js";
 import { plural } from "./format.js";
 import { Icon } from "./icons.js";
 import { Notice } from "./parts.js";
-import { ask, store, takeSettings, toast } from "./store.js";
+import { ask, loadSettings, store, takeSettings, toast } from "./store.js";
 
 export const StopButton = ({ robot }) => html`<button class="stop" id="stop" onClick=${() => askStop(robot)}><${Icon} name="stop" />Emergency stop</button>`;
 
@@ -36,12 +36,29 @@ async function stopAll(names, reason) {
   toast("warning", `Emergency stop sent to ${plural(names.length, "robot")}.`);
 }
 
-export function askRelease(robot, stop) {
+// What is ended is the stop that is shown here; somebody else's that came meanwhile is shown first.
+export const askRelease = (robot) => showRelease(robot, "");
+
+function showRelease(robot, told) {
+  const { revision, stop } = store.robots.get(robot);
+  if (!stop) return toast("info", `${robot} is not stopped any more.`);
   ask({
     title: `End the emergency stop of ${robot}`, icon: "warning", confirm: "Let it move again", danger: true,
-    body: html`<p>Stopped by ${stop.by}${stop.reason && `: ${stop.reason}`}</p>`,
+    body: html`<div class="stack">${told && html`<${Notice} look="warn" icon="warning">${told}<//>`}<p>Stopped by ${stop.by}${stop.reason && `: ${stop.reason}`}</p></div>`,
     effects: ["Commands pass again as the policies say.", "The robot may move at once, if a node commands it."],
     reason: { label: "Reason", least: 3 },
-    act: async (reason) => takeSettings(robot, await remove(`${at("robots", robot)}/stop`, { reason })),
+    act: (reason) => release(robot, revision, reason),
   });
+}
+
+// True keeps the dialog open: it is the one about the newer stop.
+async function release(robot, revision, reason) {
+  try {
+    takeSettings(robot, await remove(`${at("robots", robot)}/stop`, { revision, reason }));
+  } catch (error) {
+    if (error.status !== 409) throw error;
+    const { settings } = await loadSettings(robot);
+    showRelease(robot, "The settings have changed meanwhile. This is the stop as it is now.");
+    return Boolean(settings.stop);
+  }
 }

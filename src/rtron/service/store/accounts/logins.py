@@ -8,7 +8,6 @@ from sqlalchemy.orm import Session
 from rtron.service.store.accounts.secrets import digest, new_secret
 from rtron.service.store.tables import SessionRow, UserRow
 
-_MINUTE = 60_000_000_000
 _MOST = 20
 
 
@@ -52,12 +51,6 @@ def find_login(
     if user.disabled or _is_over(login, now, lifetime):
         return None
     return login, user
-
-
-def note_use(login: SessionRow, now: int) -> None:
-    """Note that a session is used, at most once a minute."""
-    if now - login.used >= _MINUTE:
-        login.used = now
 
 
 def end_login(session: Session, hashed: str) -> None:

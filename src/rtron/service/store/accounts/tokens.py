@@ -14,7 +14,6 @@ from rtron.service.store.tables import TokenRow
 
 PREFIX = "rtron_"
 _DAY = 86_400_000_000_000
-_MINUTE = 60_000_000_000
 _MOST = 10_000
 
 
@@ -67,13 +66,9 @@ def create_token(session: Session, now: int, by: str, wish: TokenWish) -> tuple[
 
 
 def find_token(session: Session, now: int, secret: str) -> TokenRow | None:
-    """Return the token of a secret, None if it is over or revoked; note its use once a minute."""
+    """Return the token of a secret, None if it is over or revoked."""
     row = session.scalar(select(TokenRow).where(TokenRow.digest == digest(secret)))
-    if row is None or not is_valid(row, now):
-        return None
-    if row.used is None or now - row.used >= _MINUTE:
-        row.used = now
-    return row
+    return row if row and is_valid(row, now) else None
 
 
 def is_valid(token: TokenRow, now: int) -> bool:
@@ -90,7 +85,7 @@ def revoke_token(session: Session, now: int, name: str) -> TokenRow:
     return row
 
 
-def guard_of(session: Session, now: int, secret: str) -> str | None:
-    """Return the robot for whose guard a secret speaks, None if it is no valid token of one."""
+def find_guard(session: Session, now: int, secret: str) -> TokenRow | None:
+    """Return the token of a robot's guard, None if the secret is that of none."""
     row = find_token(session, now, secret)
-    return row.robot if row and Scope.GUARD in row.scopes else None
+    return row if row and Scope.GUARD in row.scopes else None
