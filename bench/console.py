@@ -22,7 +22,6 @@ _LOADS = 5
 _VIEWS = {
     "overview": ("", "#content a[href*=robot0]"),
     "events": ("events", "#content .event"),
-    "audit": ("audit", "#content tbody tr"),
     "coordination": ("robots/robot0/nodes", "#content h1"),
 }
 _ARGUMENTS = (

@@ -28,8 +28,8 @@ def main() -> None:
     database.close()
     config = Config(database=folder / FILE, port=_free_port())
     app = create_app(config)
-    print(json.dumps({"port": config.port, "tokens": tokens}), flush=True)
-    serve(app, config)
+    told = json.dumps({"port": config.port, "tokens": tokens})
+    serve(app, config, lambda: print(told, flush=True))
 
 
 def _tokens(database: Database, robots: int) -> Iterator[tuple[str, str]]:
