@@ -8,13 +8,16 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from urllib.error import HTTPError, URLError
 from urllib.request import Request, urlopen
 
 from typing_extensions import Self
 
+T = TypeVar("T")
+_PASSWORD = re.compile(r"with the password (\S+)\n")
 _START_S = 60.0
 _CALL_S = 30.0
 _PAUSE_S = 0.02
@@ -57,6 +60,7 @@ class Served:
     def start(self) -> None:
         """Start it, and wait until it is ready."""
         self._starts += 1
+        is_new = not Path(self.database).exists()
         log = self.folder / f"serve{self._starts}.log"
         words = ["serve", "--database", self.database, "--port", str(self.port)]
         with log.open("wb") as output:
@@ -66,8 +70,9 @@ class Served:
                 stderr=subprocess.STDOUT,
             )
         _wait(lambda: self._is_ready(log), f"the service: {log}")
-        found = re.search(r"password (\S+)", log.read_text())
-        self.password = found[1] if found else self.password
+        if is_new:
+            found = _wait(lambda: _PASSWORD.search(log.read_text()), "the first password")
+            self.password = found[1]
 
     def stop(self, number: signal.Signals = signal.SIGTERM) -> None:
         """End it; SIGKILL ends it without a word."""
@@ -129,12 +134,13 @@ def rtron(*words: str) -> list[str]:
     return [sys.executable, "-m", "rtron", *words]
 
 
-def _wait(condition: Any, what: str) -> None:  # noqa: ANN401
+def _wait(condition: Callable[[], T], what: str) -> T:
     deadline = time.monotonic() + _START_S
-    while not condition():
+    while not (found := condition()):
         if time.monotonic() > deadline:
             raise TimeoutError(what)
         time.sleep(_PAUSE_S)
+    return found
 
 
 def _free_port() -> int:
