@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 
@@ -49,6 +50,15 @@ def test_what_the_service_has_is_forgotten(spool):
     spool.forget("run", 2)
     spool.forget("other", 9)
     assert spool.emptied.is_set()
+
+
+def test_what_cannot_be_kept_leaves_everything_as_it_was(spool):
+    spool.add(written(event(1)))
+    with pytest.raises(sqlite3.Error):
+        spool.add([*written(event(2)), (event(3), None)])
+    assert (numbers(spool), spool.waiting, spool.seen("run")) == ([("run", 1)], 1, 1)
+    spool.add(written(event(2)))
+    assert numbers(spool) == [("run", 1), ("run", 2)]
 
 
 def test_reading_goes_on_behind_a_position(spool):

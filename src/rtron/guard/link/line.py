@@ -178,8 +178,9 @@ class Line:
             self._kept.popleft()
 
     def _lose(self, error: Exception) -> None:
+        if self._sock is None:
+            return
         log.info("%s", error)
-        if self._sock:
-            self._loop.forget(self._sock)
-            self._sock = None
+        self._loop.forget(self._sock)
+        self._sock = None
         self._later(errno.ECONNREFUSED)

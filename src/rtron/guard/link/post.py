@@ -48,7 +48,6 @@ class Post:
         self._spool = spool
         self._settings = settings
         self._hello: Hello | None = None
-        self._last: State | Applied | None = None
         self._to_say: list[State | Applied] = []
         self._news = asyncio.Event()
         self._renewed = asyncio.Event()

@@ -64,12 +64,16 @@ class Spool:
 
     def add(self, events: Iterable[tuple[GuardEvent, bytes]]) -> None:
         """Keep events, each with its JSON; those that were seen before are not kept twice."""
-        with closing(self._db.cursor()) as cursor:
-            cursor.execute("BEGIN")
-            for event, body in events:
-                self._add(cursor, event, body)
-            self._set("lost", str(self.lost))
-            cursor.execute("COMMIT")
+        waiting, lost = self.waiting, self.lost
+        try:
+            with self._db, closing(self._db.cursor()) as cursor:
+                cursor.execute("BEGIN")
+                for event, body in events:
+                    self._add(cursor, event, body)
+                self._set("lost", str(self.lost))
+        except BaseException:  # `with` has taken the transaction back
+            self.waiting, self.lost = waiting, lost
+            raise
 
     def report_lost(self, at: int, count: int, why: str, about: str = "") -> GuardEvent:
         """Return the event, of the link's own run, that tells how many events are missing."""
