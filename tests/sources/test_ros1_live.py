@@ -16,11 +16,21 @@ from rtron.vocabulary import Action, ActionRole, Direction, Resolution
 from rtron.wire.xmlrpc import ros_call
 
 pytestmark = pytest.mark.ros1
-TIMEOUT_S = 1.0
+TIMEOUT_S = 2.0
+MOST_TIMEOUTS = 10
+HONEST_S = 15.0
+"""Time for nodes that do answer: a busy machine is not a silent node."""
 
 
-def read(ros1):
-    return Ros1Live(ros1.uri, TIMEOUT_S).read()
+def read(ros1, timeout=HONEST_S):
+    return Ros1Live(ros1.uri, timeout).read()
+
+
+def join(ros1, name, *ends):
+    """Start a node of these ends and wait until the master knows all of them."""
+    node = ros1.node("ends.py", name, *ends)
+    wait_for(lambda: "ready" in node.log, what=f"the ends of {name}")
+    return node
 
 
 def ends(graph, node):
@@ -45,7 +55,7 @@ def test_a_running_app_is_read(ros1):
     script.parent.mkdir()
     script.write_text((NODES / "ends.py").read_text())
     ros1.spawn(ROS_PYTHON, script, ">/chatter", *named("/robot/talker"))
-    ros1.node("ends.py", "/listener", "</relayed", "</chatter")
+    join(ros1, "/listener", "</relayed", "</chatter")
     ros1.spawn("/usr/lib/topic_tools/relay", "/chatter", "/relayed", "__name:=relay")
     ros1.wait_for_nodes("/robot/talker", "/listener", "/relay")
     wait_for(lambda: ros1.connected("/robot/talker", "/relay", "/chatter"), what="the relay")
@@ -77,10 +87,8 @@ def test_the_five_topics_of_an_action_are_one_action(ros1):
     up, down = ("goal", "cancel"), ("status", "feedback", "result")
     client = [f">/arm/{part}" for part in up] + [f"</arm/{part}" for part in down]
     server = [f"</arm/{part}" for part in up] + [f">/arm/{part}" for part in down]
-    ros1.node("ends.py", "/client", *client, ">/gripper/goal")
-    ros1.node("ends.py", "/server", *server)
-    ros1.wait_for_nodes("/client", "/server")
-    wait_for(lambda: ros1.publishers("/arm/result") and ros1.publishers("/gripper/goal"))
+    join(ros1, "/client", *client, ">/gripper/goal")
+    join(ros1, "/server", *server)
     assert set(read(ros1).actions) == {
         Action(node="/client", name="/arm", role=ActionRole.CLIENT),
         Action(node="/server", name="/arm", role=ActionRole.SERVER),
@@ -88,10 +96,8 @@ def test_the_five_topics_of_an_action_are_one_action(ros1):
 
 
 def test_a_dead_node_is_unresolved_and_stays_in_the_graph(ros1):
-    ros1.node("ends.py", "/alive", ">/chatter")
-    dead = ros1.node("ends.py", "/dead", ">/chatter")
-    ros1.wait_for_nodes("/alive", "/dead")
-    dead.kill()
+    join(ros1, "/alive", ">/chatter")
+    join(ros1, "/dead", ">/chatter").kill()
     graph = read(ros1)
     assert ends(graph, "/dead") == {">/chatter"}
     assert set(unresolved(graph)) == {"/dead"}
@@ -114,16 +120,15 @@ def test_strangers_cost_neither_the_graph_nor_the_time(ros1):
         "/long_fault": saying(dumps(Fault(1, "x" * 100_000)).encode()),
         "/no_triple": saying(dumps((7,), methodresponse=True).encode()),
     }
-    ros1.node("ends.py", "/honest", ">/chatter")
-    ros1.wait_for_nodes("/honest")
+    join(ros1, "/honest", ">/chatter")
     with ExitStack() as stack:
         for node, behaviour in answers.items():
             register(ros1, node, stack.enter_context(stranger(behaviour)))
         register(ros1, "/nowhere", "rosrpc://here:1")
         began = time.monotonic()
-        graph = read(ros1)
+        graph = read(ros1, TIMEOUT_S)
         took = time.monotonic() - began
-    assert took < 3 * TIMEOUT_S
+    assert took < MOST_TIMEOUTS * TIMEOUT_S
     assert set(unresolved(graph)) == {*answers, "/nowhere"}
     assert max(map(len, unresolved(graph).values())) < 1000
     assert {e.node for e in graph.publishers("/chatter")} == {"/honest", *answers, "/nowhere"}
@@ -135,8 +140,8 @@ def test_many_silent_nodes_do_not_add_up(ros1):
         for node in nodes:
             register(ros1, node, uri)
         began = time.monotonic()
-        graph = read(ros1)
-    assert time.monotonic() - began < 4 * TIMEOUT_S
+        graph = read(ros1, TIMEOUT_S)
+    assert time.monotonic() - began < MOST_TIMEOUTS * TIMEOUT_S
     assert set(unresolved(graph)) == set(nodes)
 
 
@@ -158,14 +163,12 @@ def test_a_node_that_claims_another_process_does_not_get_its_package(ros1):
 
 
 def test_a_publisher_that_only_the_subscriber_knows_is_told(ros1, tmp_path_factory):
-    ros1.node("ends.py", "/talker", ">/chatter")
-    ros1.node("ends.py", "/listener", "</chatter")
-    ros1.wait_for_nodes("/talker", "/listener")
+    join(ros1, "/talker", ">/chatter")
+    join(ros1, "/listener", "</chatter")
     wait_for(lambda: ros1.connected("/talker", "/listener", "/chatter"), what="the talker")
     assert read(ros1).unresolved == ()
     with Ros1(tmp_path_factory.mktemp("elsewhere")) as elsewhere:
-        elsewhere.node("ends.py", "/ghost", ">/chatter")
-        elsewhere.wait_for_nodes("/ghost")
+        join(elsewhere, "/ghost", ">/chatter")
         ghost = elsewhere.uri_of("/ghost")
         publishers = [ros1.uri_of("/talker"), ghost]
         ros1.ask(ros1.uri_of("/listener"), "publisherUpdate", "/chatter", publishers)

@@ -13,6 +13,7 @@ def main():
             rospy.Publisher(topic, String, queue_size=1)
         else:
             rospy.Subscriber(topic, String, print)
+    print("ready")
     rospy.spin()
 
 
