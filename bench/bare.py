@@ -5,9 +5,9 @@ from pathlib import Path
 
 from rtron.guard.audit.auditor import Auditor
 from rtron.guard.host import Host
+from rtron.guard.loop import Loop
 from rtron.guard.run import run_host
 from rtron.guard.senses import senses_of
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.planning.read import read_plan
 from rtron.vocabulary import streams

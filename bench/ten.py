@@ -3,8 +3,8 @@
 from bench.plans import grcn
 from bench.way import PUBLISHER
 from rtron.guard.host import Host
+from rtron.guard.loop import Loop
 from rtron.guard.run import run_host
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import CoordinationKind, Mode, PolicySettings, Stage, Stream
 from rtron.wire.address import master_uri

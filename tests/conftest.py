@@ -6,8 +6,9 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-sys.path.append(str(Path(__file__).parent / "ros1"))
+sys.path += [str(Path(__file__).parent / ros) for ros in ("ros1", "ros2")]
 from harness import Ros1
+from harness2 import Ros2
 from roslaunch_oracle import RosLoader
 
 
@@ -23,6 +24,13 @@ def runtime_folder():
 def ros1(tmp_path):
     """Run a master of the test's own."""
     with Ros1(tmp_path) as running:
+        yield running
+
+
+@pytest.fixture
+def ros2(tmp_path):
+    """Have a domain of the test's own."""
+    with Ros2(tmp_path) as running:
         yield running
 
 

@@ -11,7 +11,7 @@ from rtron.errors import WireError
 from rtron.guard.audit.asker import Asker, Place, body_of, request
 from rtron.guard.audit.master_view import place_at, refuses
 from rtron.guard.audit.rounds import Asked, Rounds
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.vocabulary import SECOND
 from rtron.wire.xmlrpc import decode_call
 

@@ -17,7 +17,7 @@ from rtron.guard.audit.intruders import Intruders
 from rtron.guard.audit.nodes import GuardedNodes
 from rtron.guard.audit.response import Response
 from rtron.guard.audit.rounds import Rounds
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.vocabulary import SECOND, OnForeign
 from rtron.wire.xmlrpc import encode_response
 

@@ -6,7 +6,7 @@ from contextlib import ExitStack, contextmanager
 from xmlrpc.server import SimpleXMLRPCServer
 
 from rtron.guard.fence.proxy import Proxy
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 
 

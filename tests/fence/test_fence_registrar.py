@@ -6,8 +6,8 @@ import pytest
 from harness import wait_for
 from masters import Master, running, serving
 
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1 import master as registrars
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 
 NODES = ("/a", "/b", "/c")

@@ -7,8 +7,8 @@ from streams import FLOWS, TWIST, peer, stage, stream
 from velocities import twist
 
 from rtron.guard.host import Host
+from rtron.guard.loop import Loop
 from rtron.guard.transport.memory import MemoryTransport
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.transport import TypeInfo
 from rtron.vocabulary import (
     GUARD_NODE,

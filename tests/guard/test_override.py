@@ -15,8 +15,8 @@ from velocities import FLOAT64, float64, floats, speeds, twist
 from rtron.errors import SourceError, WireError
 from rtron.guard import run
 from rtron.guard.control import Control, control_path
+from rtron.guard.loop import Loop
 from rtron.guard.overriding import LONGEST, Overriding
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.vocabulary import SECOND, PolicyName
 
 

@@ -5,9 +5,9 @@ from streams import peer, stage, stream
 from velocities import speeds, twist
 
 from rtron.guard.host import Host
+from rtron.guard.loop import Loop
 from rtron.guard.shutdowns import Obeying, Refusing
 from rtron.guard.transport.memory import MemoryTransport
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.vocabulary import GUARD_NODE, SECOND, Stop
 
 OUT, NAV = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1"

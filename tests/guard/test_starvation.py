@@ -13,7 +13,7 @@ resource.setrlimit(resource.RLIMIT_AS, (size + {room}, size + {room}))
 """
 PROBE = "from rtron.guard.starvation import end_if_starving\n{limit}\nend_if_starving()\n"
 LOOP = """
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 loop = Loop()
 {limit}
 loop.call_later(0, lambda: bytearray(1 << 28))

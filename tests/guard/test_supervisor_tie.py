@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from rtron.guard.host import Host
+from rtron.guard.loop import Loop
 from rtron.guard.supervision.adoption import LEAVE, Answer, Door, bound
 from rtron.guard.supervision.order import Order
 from rtron.guard.supervision.page import Field, Page
 from rtron.guard.supervision.tie import ALONE, Tie
 from rtron.guard.supervision.ward import spawn
 from rtron.guard.transport.memory import MemoryTransport
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.vocabulary import SECOND, Plan
 
 NO_FILE = 1 << 14

@@ -13,7 +13,7 @@ from rtron.errors import SourceError
 from rtron.guard.link.kept import keep_settings, read_settings
 from rtron.guard.link.line import MOST, Line
 from rtron.guard.link.runs import RunCounter, former_runs
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.vocabulary import (
     EmergencyStop,
     EventKind,

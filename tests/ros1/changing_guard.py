@@ -12,10 +12,10 @@ from harness import HERE
 
 from rtron.guard.control import Control
 from rtron.guard.host import Host
+from rtron.guard.loop import Loop
 from rtron.guard.run import run_host
 from rtron.guard.senses import senses_of
 from rtron.guard.settings.applying import Applying
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.planning.read import read_plan
 from rtron.planning.write import write_plan

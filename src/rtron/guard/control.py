@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from rtron.errors import SourceError, WireError
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 
 log = logging.getLogger(__name__)
 

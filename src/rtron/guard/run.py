@@ -15,12 +15,12 @@ from rtron.guard.fence.place import private_master
 from rtron.guard.host import Host
 from rtron.guard.link.linked import Linked
 from rtron.guard.link.options import LinkOptions
+from rtron.guard.loop import Loop
 from rtron.guard.measuring.measuring import Measuring, Write
 from rtron.guard.overriding import Overriding
 from rtron.guard.senses import senses_of
 from rtron.guard.shutdowns import Obeying, Refusing
 from rtron.guard.supervision.tie import Tie
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import Plan, streams
 

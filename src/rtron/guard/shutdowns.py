@@ -5,8 +5,8 @@ import logging
 from rtron.guard.audit.shown import shown
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.host import Host
+from rtron.guard.loop import Loop
 from rtron.guard.seldom import Seldom
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.policies.stopping import LONGEST
 from rtron.vocabulary import GUARD_NODE, SECOND

@@ -99,6 +99,13 @@ class Durability(Word):
     TRANSIENT_LOCAL = "transient_local"
 
 
+class Liveliness(Word):
+    """Who asserts that a ROS 2 publisher is alive: the middleware, or the publisher itself."""
+
+    AUTOMATIC = "automatic"
+    MANUAL_BY_TOPIC = "manual_by_topic"
+
+
 class RiskKind(Word):
     """The kinds of risk that Algorithm 1 finds (paper section 4)."""
 

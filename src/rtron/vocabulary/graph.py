@@ -10,6 +10,7 @@ from rtron.vocabulary.enums import (
     Domain,
     Durability,
     FunctionType,
+    Liveliness,
     Reliability,
     Resolution,
     Trust,
@@ -28,11 +29,19 @@ class Evidence:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class QoS:
-    """The quality of service an endpoint asks for; depth counts messages."""
+    """The quality of service an endpoint asks for or offers (ROS 2: About-Quality-of-Service).
+
+    `depth` counts messages, 0 where it is not known: ROS 2's graph does not tell it. `deadline`,
+    `lifespan` and `lease` (of the liveliness) are ns, 0 for ever.
+    """
 
     reliability: Reliability = Reliability.RELIABLE
     durability: Durability = Durability.VOLATILE
     depth: int = 0
+    deadline: int = 0
+    lifespan: int = 0
+    liveliness: Liveliness = Liveliness.AUTOMATIC
+    lease: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +70,7 @@ class Endpoint:
     """One node publishing or subscribing one topic.
 
     `declared_name` is the name before remapping; `implicit` marks what the client library adds
-    by itself (`/rosout`, `/clock`).
+    by itself (`/rosout`, `/clock`). `gid` is the endpoint's own id in ROS 2, as hex digits.
     """
 
     node: str
@@ -72,6 +81,7 @@ class Endpoint:
     implicit: bool = False
     resolution: Resolution = Resolution.LITERAL
     qos: QoS | None = None
+    gid: str = ""
     evidence: tuple[Evidence, ...] = ()
 
 

@@ -22,7 +22,7 @@ from rtron.guard.audit.rounds import Asked, Rounds
 from rtron.guard.audit.standing import Standing
 from rtron.guard.audit.strangers import planned_sources
 from rtron.guard.host import Host
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import GUARD_NODE, SECOND, Alarm, AlarmKind, Plan
 

@@ -18,7 +18,7 @@ from rtron.guard.audit.strangers import (
     planned_sources,
     strangers_of,
 )
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import SECOND, Alarm
 

@@ -15,7 +15,7 @@ from rtron.guard.audit.asker import Place
 from rtron.guard.audit.bus_info import plain
 from rtron.guard.audit.registered import registered
 from rtron.guard.audit.strangers import Identity
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.vocabulary import GUARD_NODE
 from rtron.wire.xmlrpc import ros_call, split_uri
 

@@ -12,7 +12,7 @@ from rtron.guard.audit.guarded_node import GuardedNode, asker
 from rtron.guard.audit.master_view import Threads, place_of
 from rtron.guard.audit.rounds import Asked, Rounds
 from rtron.guard.audit.shown import shown
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 
 _MOST = 512
 _Read = tuple[frozenset[Link] | None, str, int]

@@ -13,8 +13,8 @@ from rtron.guard.audit.expectations import Expectations
 from rtron.guard.audit.master_view import Threads, refuses, uri_of
 from rtron.guard.audit.response import Response
 from rtron.guard.audit.shown import shown
+from rtron.guard.loop import Loop
 from rtron.guard.seldom import Seldom
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import Alarm, AlarmKind
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from rtron.errors import RTronError
 from rtron.guard.audit.asker import Asker, Place
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.vocabulary import SECOND
 
 TURNS = 2

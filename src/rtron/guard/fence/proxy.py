@@ -18,8 +18,8 @@ from rtron.guard.fence.refusals import Refusals
 from rtron.guard.fence.rules import APIS, MULTICALL, Topics, forbidden
 from rtron.guard.fence.standing import Standing
 from rtron.guard.fence.upstream import MOST, Upstream
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.http import Bounds, Budget, HttpConnection
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.wire.xmlrpc import MAX_BODY, decode_call, decode_response, encode_response, split_uri
 
 BOUNDS = Bounds(request=MAX_BODY, unread=MOST)

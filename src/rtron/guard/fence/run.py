@@ -8,7 +8,7 @@ from rtron.errors import SourceError
 from rtron.guard.fence.place import Announcement
 from rtron.guard.fence.proxy import Proxy
 from rtron.guard.fence.rosmaster import Rosmaster
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.vocabulary import Plan
 from rtron.vocabulary.planned import planned_topics

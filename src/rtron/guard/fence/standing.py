@@ -15,7 +15,7 @@ from ipaddress import ip_address
 
 from rtron.errors import RTronError, SourceError, WireError
 from rtron.guard.fence.rules import ROSOUT, is_guards
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, PlannedTopic
 from rtron.vocabulary.names import names_node
 from rtron.vocabulary.planned import ANYBODY

@@ -9,7 +9,7 @@ from typing import Any
 import h11
 
 from rtron.errors import WireError
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.tuning import tune
 
 log = logging.getLogger(__name__)

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable
 
 from rtron.errors import WireError
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.vocabulary import SECOND, GuardEvent
 from rtron.wire.link import (
     LONGEST,

@@ -13,8 +13,8 @@ from rtron.guard.link.line import Line
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.recorder import Recorder
 from rtron.guard.link.runs import RunCounter
+from rtron.guard.loop import Loop
 from rtron.guard.settings.applying import Applying
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.transport import Transport
 from rtron.vocabulary import (
     SECOND,

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from enum import Enum
 
 from rtron.errors import SourceError
+from rtron.guard.loop import Loop
 from rtron.guard.supervision.names import guard_address, peer_of
-from rtron.guard.transport.ros1.loop import Loop
 
 LEAVE = b"L"
 """What a guard says to the supervisor whose place another one takes."""

@@ -3,11 +3,11 @@
 import logging
 import sys
 
+from rtron.guard.loop import Loop
 from rtron.guard.supervision.complaint import complaining
 from rtron.guard.supervision.order import read_order
 from rtron.guard.supervision.programs import descriptors
 from rtron.guard.supervision.supervisor import Supervisor
-from rtron.guard.transport.ros1.loop import Loop
 
 
 def main(numbers: str, *, stand_in: bool = False) -> None:

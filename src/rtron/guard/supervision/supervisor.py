@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from rtron.errors import SourceError
 from rtron.guard.audit.shown import shown
 from rtron.guard.fence.place import private_master
+from rtron.guard.loop import Loop
 from rtron.guard.seldom import Seldom
 from rtron.guard.supervision.adoption import LEAVE
 from rtron.guard.supervision.brakes import Brakes
@@ -19,7 +20,6 @@ from rtron.guard.supervision.order import Order, stopped_streams
 from rtron.guard.supervision.page import Field, Page
 from rtron.guard.supervision.ward import Ward, adopt, spawn
 from rtron.guard.supervision.watchdog import LOOK, Watchdog
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import SECOND
 

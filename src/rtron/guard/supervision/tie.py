@@ -11,6 +11,7 @@ from functools import partial
 
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.host import Host
+from rtron.guard.loop import Loop
 from rtron.guard.starvation import end_if_starving
 from rtron.guard.supervision.adoption import LEAVE, Answer, Door, bound
 from rtron.guard.supervision.names import is_running, peer_of
@@ -19,7 +20,6 @@ from rtron.guard.supervision.page import Cell, Field, Page
 from rtron.guard.supervision.programs import STAND_IN, command
 from rtron.guard.supervision.said import Said, info_bytes, said_of
 from rtron.guard.supervision.watchdog import LOOK, Watchdog
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.transport import TypeInfo
 from rtron.guard.will import Will
 from rtron.vocabulary import (

@@ -8,13 +8,13 @@ import time
 from contextlib import suppress
 
 from rtron.errors import SourceError
+from rtron.guard.loop import Loop
 from rtron.guard.supervision.adoption import BEGIN, Answer, offer
 from rtron.guard.supervision.keeper import OK
 from rtron.guard.supervision.names import is_running
 from rtron.guard.supervision.order import Order
 from rtron.guard.supervision.page import Field, Page
 from rtron.guard.supervision.programs import GUARD, command
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.vocabulary import SECOND
 
 _ENDING = 8 * SECOND

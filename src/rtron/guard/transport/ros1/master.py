@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 from rtron.errors import RTronError, SourceError
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.node import Node
 from rtron.wire.xmlrpc import ros_call
 

@@ -8,8 +8,8 @@ import os
 import socket
 from typing import TYPE_CHECKING, Any
 
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.http import XmlRpcConnection
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.wire.address import bind_host
 

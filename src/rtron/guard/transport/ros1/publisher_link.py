@@ -6,8 +6,8 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 
 from rtron.errors import RTronError, WireError
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.handshake import Wish, connect
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.transport import Connect, Lost, Peer, Receive
 from rtron.wire.tcpros import FrameReader
 

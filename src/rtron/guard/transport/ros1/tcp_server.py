@@ -4,7 +4,7 @@ import logging
 import socket
 from collections.abc import Callable
 
-from rtron.guard.transport.ros1.loop import Loop
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.tuning import tune
 
 log = logging.getLogger(__name__)

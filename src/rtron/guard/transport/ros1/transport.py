@@ -5,8 +5,8 @@ import socket
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+from rtron.guard.loop import Loop
 from rtron.guard.transport.ros1.handshake import Wish
-from rtron.guard.transport.ros1.loop import Loop
 from rtron.guard.transport.ros1.master import Registrar
 from rtron.guard.transport.ros1.node import Node
 from rtron.guard.transport.ros1.publication import Publication

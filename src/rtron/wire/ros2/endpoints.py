@@ -1,0 +1,109 @@
+"""Who publishes and subscribes a topic, as the domain tells it: types, QoS and GIDs.
+
+A GID is an endpoint's own; its first 12 bytes are its participant's (OMG DDSI-RTPS 2.5, 8.2.4).
+Node names are not unique in ROS 2, GIDs are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rclpy.qos import DurabilityPolicy, LivelinessPolicy, ReliabilityPolicy
+
+from rtron.vocabulary import Direction, Durability, Liveliness, QoS, Reliability
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rclpy.duration import Duration
+    from rclpy.node import Node
+    from rclpy.qos import QoSProfile
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+PARTICIPANT = 12
+"""How many bytes of a GID name the participant."""
+GID_SIZE = 16
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"
+_NEVER = 1 << 62
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ros2Endpoint:
+    """An endpoint of a topic; `node` is its full name, "" while the domain has not told it.
+
+    `type` is in ROS 2's spelling, `type_hash` its REP 2016 hash, "" where there is none.
+    """
+
+    topic: str
+    direction: Direction
+    node: str
+    type: str
+    type_hash: str
+    gid: bytes
+    qos: QoS
+
+    @property
+    def participant(self) -> bytes:
+        """The participant that the endpoint belongs to."""
+        return self.gid[:PARTICIPANT]
+
+
+def publishers_of(node: Node, topic: str) -> list[Ros2Endpoint]:
+    """Return who publishes a topic now."""
+    return _endpoints(topic, Direction.PUBLISH, node.get_publishers_info_by_topic(topic))
+
+
+def subscribers_of(node: Node, topic: str) -> list[Ros2Endpoint]:
+    """Return who subscribes a topic now."""
+    return _endpoints(topic, Direction.SUBSCRIBE, node.get_subscriptions_info_by_topic(topic))
+
+
+def _endpoints(
+    topic: str, direction: Direction, infos: Iterable[TopicEndpointInfo]
+) -> list[Ros2Endpoint]:
+    return [
+        Ros2Endpoint(
+            topic=topic,
+            direction=direction,
+            node=_full_name(info),
+            type=info.topic_type,
+            type_hash=_hash(info),
+            gid=bytes(info.endpoint_gid)[:GID_SIZE],
+            qos=qos_of(info.qos_profile),
+        )
+        for info in infos
+    ]
+
+
+def _full_name(info: TopicEndpointInfo) -> str:
+    if info.node_name in ("", _UNKNOWN):
+        return ""
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+
+
+def _hash(info: TopicEndpointInfo) -> str:
+    """Return the type's hash; distributions before Iron have none."""
+    told = getattr(info, "topic_type_hash", None)
+    return "" if told is None or told.version < 1 else str(told)
+
+
+def qos_of(profile: QoSProfile) -> QoS:
+    """Return a profile in our words; what is unknown or the system's choice is ROS 2's default."""
+    best_effort = profile.reliability == ReliabilityPolicy.BEST_EFFORT
+    latched = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    by_topic = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
+    return QoS(
+        reliability=Reliability.BEST_EFFORT if best_effort else Reliability.RELIABLE,
+        durability=Durability.TRANSIENT_LOCAL if latched else Durability.VOLATILE,
+        depth=profile.depth,
+        deadline=_bounded(profile.deadline),
+        lifespan=_bounded(profile.lifespan),
+        liveliness=Liveliness.MANUAL_BY_TOPIC if by_topic else Liveliness.AUTOMATIC,
+        lease=_bounded(profile.liveliness_lease_duration),
+    )
+
+
+def _bounded(duration: Duration) -> int:
+    """Return a duration in ns, 0 for one without end."""
+    return int(duration.nanoseconds) if 0 < duration.nanoseconds < _NEVER else 0
