@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from rtron.guard.transport.transport import Output, Transport, TypeInfo
-from rtron.vocabulary import PRIVATE_ROOT, Stream, flow_topic, names_node, output_topic
+from rtron.vocabulary import PRIVATE_ROOT, QoS, Stream, flow_topic, names_node, output_topic
 
 
 class Ends:
@@ -49,6 +49,14 @@ class Ends:
     def latch(self, flow: str, *, latching: bool) -> None:
         """Keep a flow's last message for late subscribers from now on, or keep none."""
         self._latching[flow] = flow if latching else None
+
+    def offer(self, flow: str, qos: QoS) -> None:
+        """Offer what a flow's publisher offers to all who get its words."""
+        for output in (*self._outputs, *self._joints):
+            output.offer(flow, qos)
+        for name, mirror in self._mirrors.items():
+            if name != flow:
+                mirror.offer(flow, qos)
 
     def send(self, flow: str, message: bytes) -> None:
         """Send a message that a flow said, or that is said in its place."""

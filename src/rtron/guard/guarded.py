@@ -232,6 +232,8 @@ class GuardedStream:
         if not self._learn(peer):
             return None
         self._ends.latch(flow.name, latching=peer.latching and self._keeps(peer))
+        if peer.qos:
+            self._ends.offer(flow.name, peer.qos)
         return self._taking(flow.name, peer)
 
     def _connect_public(self, peer: Peer) -> Receive | None:

@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from itertools import count
+from typing import Protocol
 
 from rtron.errors import RTronError
 from rtron.guard.starvation import end_starved
@@ -16,6 +17,18 @@ from rtron.guard.starvation import end_starved
 log = logging.getLogger(__name__)
 
 Callback = Callable[[], None]
+
+
+class Watched(Protocol):
+    """What a selector can watch: a socket, or another descriptor."""
+
+    def fileno(self) -> int:
+        """Return the descriptor, negative when it is closed."""
+        ...
+
+    def close(self) -> None:
+        """Close it."""
+        ...
 
 
 class Watch:
@@ -49,20 +62,18 @@ class Loop:
 
     now = staticmethod(time.monotonic_ns)
 
-    def watch(
-        self, sock: socket.socket, readable: Callback, broken: Callable[[Exception], None]
-    ) -> None:
+    def watch(self, sock: Watched, readable: Callback, broken: Callable[[Exception], None]) -> None:
         """Serve a non-blocking socket from now on."""
         self._selector.register(sock, selectors.EVENT_READ, Watch(readable, broken))
 
-    def await_writable(self, sock: socket.socket, writable: Callback | None) -> None:
+    def await_writable(self, sock: Watched, writable: Callback | None) -> None:
         """Call `writable` whenever the socket can be written, until told None."""
         watch: Watch = self._selector.get_key(sock).data
         watch.writable = writable
         write = selectors.EVENT_WRITE if writable else 0
         self._selector.modify(sock, selectors.EVENT_READ | write, watch)
 
-    def pause(self, sock: socket.socket, duration: float) -> None:
+    def pause(self, sock: Watched, duration: float) -> None:
         """Leave a socket alone for `duration` seconds; it keeps its place."""
         watch: Watch = self._selector.unregister(sock).data
 
@@ -72,7 +83,7 @@ class Loop:
 
         self.call_later(duration, resume)
 
-    def forget(self, sock: socket.socket) -> None:
+    def forget(self, sock: Watched) -> None:
         """Serve a socket no more and close it; a second time does nothing."""
         with suppress(KeyError, ValueError):
             self._selector.unregister(sock)

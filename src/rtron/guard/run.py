@@ -1,4 +1,6 @@
-"""Running the guard on ROS 1 until it is told to end."""
+"""Running the guard until it is told to end."""
+
+from __future__ import annotations
 
 import gc
 import logging
@@ -6,23 +8,31 @@ import resource
 import signal
 import sys
 from functools import partial
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
 from rtron.guard.audit.auditor import Auditor
 from rtron.guard.control import Answer, Control, control_path
-from rtron.guard.fence.place import private_master
 from rtron.guard.host import Host
 from rtron.guard.link.linked import Linked
-from rtron.guard.link.options import LinkOptions
 from rtron.guard.loop import Loop
 from rtron.guard.measuring.measuring import Measuring, Write
 from rtron.guard.overriding import Overriding
 from rtron.guard.senses import senses_of
 from rtron.guard.shutdowns import Obeying, Refusing
-from rtron.guard.supervision.tie import Tie
+from rtron.guard.transport.choosing import open_transport
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import Plan, streams
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rtron.guard.audit.ros2.auditor import Ros2Auditor
+    from rtron.guard.link.options import LinkOptions
+    from rtron.guard.supervision.tie import Tie
+    from rtron.guard.transport.ros2.transport import Ros2Transport
+
+    AnyTransport = Ros1Transport | Ros2Transport
 
 log = logging.getLogger(__name__)
 
@@ -39,20 +49,17 @@ def run_guard(
     tie: Tie | None = None,
     link: LinkOptions | None = None,
 ) -> int:
-    """Guard a plan's streams on the ROS 1 master at `master`; return the exit code.
+    """Guard a plan's streams on the master or in the domain at `master`; return the exit code.
 
     A dry run lets everything pass and reports what would have become of it. `control` is where
     the guard listens for overrides, by default in the user's runtime folder. `figures` keeps what
     is measured meanwhile. `tie` connects the guard to its supervisor, `link` to the security
-    service, whose last settings are put in force first. SourceError if the plan is for ROS 2, whose
-    transport is not there yet, or if `control` cannot be used.
+    service, whose last settings are put in force first. SourceError if the plan is for ROS 2, which
+    is not installed here, or if `control` cannot be used.
     """
-    if plan.ros != 1:
-        raise SourceError("this guard speaks ROS 1 only", help="the plan says `ros: 2`")
     _allow_many_connections()
     loop = Loop()
-    public, master = master, private_master(master)
-    transport = Ros1Transport(loop, master, public=public)
+    transport = open_transport(plan.ros, master, loop)
     measuring = Measuring(plan, transport) if figures else None
     senses = measuring.senses if measuring else senses_of(plan)
     will = tie.will if tie else None
@@ -64,7 +71,7 @@ def run_guard(
         measuring.watch(host.guarded)
         measuring.keep(figures)
     door = _door(loop, plan, control, Overriding(host, transport).answer)
-    auditor = Auditor(plan, master, host, transport, loop, dry_run=dry_run)
+    auditor = _auditor(plan, master, host, transport, loop, dry_run=dry_run)
     run_host(host, transport, loop, auditor, tie, linked)
     if measuring and figures:
         figures(measuring.run())
@@ -85,24 +92,29 @@ def _door(loop: Loop, plan: Plan, control: Path | None, answer: Answer) -> Contr
         return None
 
 
+def _auditor(
+    plan: Plan, master: str, host: Host, transport: AnyTransport, loop: Loop, *, dry_run: bool
+) -> Auditor | Ros2Auditor:
+    if isinstance(transport, Ros1Transport):
+        return Auditor(plan, master, host, transport, loop, dry_run=dry_run)
+    from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
+
+    return Ros2Auditor(plan, host, transport, loop, dry_run=dry_run)
+
+
 def run_host(
     host: Host,
-    transport: Ros1Transport,
+    transport: AnyTransport,
     loop: Loop,
-    auditor: Auditor | None = None,
+    auditor: Auditor | Ros2Auditor | None = None,
     tie: Tie | None = None,
     linked: Linked | None = None,
 ) -> None:
     """Guard until SIGINT, SIGTERM or, unless it is supervised, a kill of the guard's own node."""
-    shutdowns = Refusing(loop) if tie else Obeying(host, transport, loop)
-
-    def killed(node: str, reason: str) -> None:
-        if auditor:
-            auditor.shut(node, reason, partial(shutdowns.shut, node, reason))
-        else:
-            shutdowns.shut(node, reason)
-
-    transport.killed = killed
+    if isinstance(transport, Ros1Transport):
+        shutdowns = Refusing(loop) if tie else Obeying(host, transport, loop)
+        asked = auditor if isinstance(auditor, Auditor) else None
+        transport.killed = partial(_killed, shutdowns, asked)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.post(loop.stop))
     host.open()
@@ -120,6 +132,13 @@ def run_host(
     if auditor:
         auditor.close()
     transport.close()
+
+
+def _killed(shutdowns: Refusing | Obeying, auditor: Auditor | None, node: str, reason: str) -> None:
+    if auditor:
+        auditor.shut(node, reason, partial(shutdowns.shut, node, reason))
+    else:
+        shutdowns.shut(node, reason)
 
 
 def _favour_messages() -> None:

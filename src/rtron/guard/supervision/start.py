@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
-from rtron.errors import SourceError
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.supervision.order import Order
 from rtron.guard.supervision.programs import SUPERVISOR, command
@@ -25,11 +24,8 @@ def supervise(
 ) -> NoReturn:
     """Become the supervisor of a guard that is told what `run_guard` is.
 
-    The process is the same, but forgets everything it has imported so far. SourceError if the plan
-    is for ROS 2, whose transport is not there yet.
+    The process is the same, but forgets everything it has imported so far.
     """
-    if plan.ros != 1:
-        raise SourceError("this guard speaks ROS 1 only", help="the plan says `ros: 2`")
     options = {"dry_run": dry_run, "control": control, "figures": figures, "link": link}
     order = Order(plan=plan, master=master, log_level=log_level, options=options).write()
     os.set_inheritable(order, True)  # noqa: FBT003 - positional only

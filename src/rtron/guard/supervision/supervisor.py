@@ -8,7 +8,6 @@ from collections.abc import Iterable
 
 from rtron.errors import SourceError
 from rtron.guard.audit.shown import shown
-from rtron.guard.fence.place import private_master
 from rtron.guard.loop import Loop
 from rtron.guard.seldom import Seldom
 from rtron.guard.supervision.adoption import LEAVE
@@ -20,6 +19,7 @@ from rtron.guard.supervision.order import Order, stopped_streams
 from rtron.guard.supervision.page import Field, Page
 from rtron.guard.supervision.ward import Ward, adopt, spawn
 from rtron.guard.supervision.watchdog import LOOK, Watchdog
+from rtron.guard.transport.choosing import open_transport
 from rtron.guard.transport.ros1.transport import Ros1Transport
 from rtron.vocabulary import SECOND
 
@@ -47,9 +47,9 @@ class Supervisor:
             raise SourceError(f"the guard on {order.master} is gone")
         self._order_file = order_file
         self._loop = loop
-        private = private_master(order.master)
-        self._transport = Ros1Transport(loop, private, public=order.master)
-        self._transport.killed = self._ignore
+        self._transport = open_transport(order.plan.ros, order.master, loop)
+        if isinstance(self._transport, Ros1Transport):
+            self._transport.killed = self._ignore
         self._seldom = Seldom()
         page = self._ward.page if self._ward else Page.new(self._count)
         self._page = page

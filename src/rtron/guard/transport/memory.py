@@ -15,6 +15,7 @@ from rtron.guard.transport.transport import (
     ignore,
 )
 from rtron.messages.encoding import Encoding
+from rtron.vocabulary import QoS
 
 
 class MemoryTransport:
@@ -121,6 +122,7 @@ class MemoryOutput:
         self.reaches = reaches
         self.info: TypeInfo | None = None
         self.latched: dict[str, bytes] = {}
+        self.offered: dict[str, QoS] = {}
         self._listeners = listeners
 
     def learn(self, info: TypeInfo) -> bool:
@@ -128,6 +130,10 @@ class MemoryOutput:
         if self.info is None and self.type in ("", info.type):
             self.info = info
         return self.info == info
+
+    def offer(self, flow: str, qos: QoS) -> None:
+        """Know what the publisher of a flow offers."""
+        self.offered[flow] = qos
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Hand the message to every listener; keep it for late ones."""

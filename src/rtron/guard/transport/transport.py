@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from rtron.messages.encoding import Encoding
+from rtron.vocabulary import QoS
 
 Receive = Callable[[bytes], object]
 """Takes one message."""
@@ -24,7 +25,7 @@ class TypeInfo:
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """The publisher at the other end of a connection.
+    """The publisher at the other end of a connection; `qos` is what it offers in ROS 2.
 
     `verified` is true when the middleware's own record confirms that `node` lives there; a name
     that a peer only claims is not verified.
@@ -34,6 +35,7 @@ class Peer:
     info: TypeInfo
     latching: bool = False
     verified: bool = True
+    qos: QoS | None = None
 
 
 Connect = Callable[[Peer], Receive | None]
@@ -53,6 +55,10 @@ class Output(Protocol):
 
     def learn(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if it is not what is known or asked for."""
+        ...
+
+    def offer(self, flow: str, qos: QoS) -> None:
+        """Offer subscribers at least what the publisher of a flow offers, where there is QoS."""
         ...
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 
-from rtron.guard.transport.ros1.backlog import Backlog
+from rtron.guard.transport.backlog import Backlog
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.guard.transport.transport import TypeInfo
+from rtron.vocabulary import QoS
 
 _AWAIT_FIRST_NS = 1_000_000_000
 _EARLY_BYTES = 1 << 20
@@ -54,6 +55,9 @@ class Publication:
         for link in undecided:
             self._welcome(link, info)
         return True
+
+    def offer(self, flow: str, qos: QoS) -> None:
+        """Do nothing: ROS 1 has no QoS but latching, which `publish` is told."""
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""

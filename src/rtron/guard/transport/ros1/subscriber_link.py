@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from rtron.errors import WireError
 from rtron.guard.loop import Loop
-from rtron.guard.transport.ros1.backlog import Backlog
+from rtron.guard.transport.backlog import Backlog
 from rtron.wire.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
 
 log = logging.getLogger(__name__)

@@ -1,0 +1,150 @@
+"""What a plan says about who speaks to whom in ROS 2: its topics, and its actions' services.
+
+A service is two topics to the middleware, a request and a reply, whose names no ROS name begins
+like (design.ros2.org: Topic and Service name mapping to DDS); they are kept by those names.
+"""
+
+from collections.abc import Iterator
+
+from rtron.guard.audit.expectations import Entrance, is_open, meant
+from rtron.vocabulary import (
+    GUARD_NODE,
+    PRIVATE_ROOT,
+    Mode,
+    Plan,
+    PlannedTopic,
+    Stream,
+    flow_topic,
+    normalise_type,
+    output_topic,
+    planned_topics,
+    stage_nodes,
+    streams,
+)
+from rtron.vocabulary.planned import ANYBODY
+
+_CALLED = ("send_goal", "cancel_goal")
+_TOLD = ("feedback", "status")
+
+
+class Wanted:
+    """Who may speak on each topic that an enforced stream has closed.
+
+    `guarding` are the guard's nodes on these streams, `own` all of them. `outputs` are the private
+    outputs by their public names, `types` the streams' types by their public names.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        enforced = [stream for stream in streams(plan) if stream.mode is Mode.ENFORCE]
+        actions = [stream for stream in enforced if is_action(stream)]
+        self.actions = frozenset(stream.topic for stream in actions)
+        plain = (topic for topic in planned_topics(plan) if topic.guarded not in self.actions)
+        served = (topic for stream in actions for topic in _served(stream))
+        self.topics = {topic.topic: topic for topic in (*plain, *served)}
+        self.entrances = tuple(way for stream in enforced for way in _entrances(stream))
+        self.outputs = dict(pair for stream in enforced for pair in _outputs(stream))
+        self.types = {each.topic: normalise_type(each.type) for each in enforced}
+        self.guarding = frozenset(
+            {GUARD_NODE, *(node for stream in enforced for node in stage_nodes(stream))}
+        )
+        self.own = self.guarding.union(*map(stage_nodes, streams(plan)))
+        named = {name for t in self.topics.values() for name in (*t.publishers, *t.subscribers)}
+        self._nodes = tuple(sorted(named - self.own - {ANYBODY}))
+
+    def private(self) -> Iterator[PlannedTopic]:
+        """Yield the topics that only the guard and those whom it stands between know."""
+        return (t for t in self.topics.values() if spoken(t.topic).startswith(PRIVATE_ROOT + "/"))
+
+    def plans(self, node: str) -> bool:
+        """Tell whether a node is one that the guard stands before or behind."""
+        return node not in self.own and meant(self._nodes, node)
+
+    def succeeds(self, node: str) -> bool:
+        """Tell whether a node is behind the guard: what it is told moves the robot."""
+        outputs = (self.topics[private] for private in self.outputs.values())
+        return node not in self.own and any(topic.may_subscribe(node) for topic in outputs)
+
+    def type_on(self, topic: PlannedTopic) -> str:
+        """Return the type that the plan wants on a topic, in ROS 1's spelling; "" if any."""
+        return "" if topic.guarded in self.actions else self.types.get(topic.guarded, "")
+
+    def leaves_guard(self, topic: PlannedTopic) -> bool:
+        """Tell whether others than the guard rely on what is said on a topic."""
+        return not is_open(topic) and any(name not in self.own for name in topic.subscribers)
+
+
+def is_action(stream: Stream) -> bool:
+    """Tell whether a stream is an action of ROS 2."""
+    return "/action/" in stream.type
+
+
+def is_service(topic: str) -> bool:
+    """Tell whether a topic is one of a service's two."""
+    return not topic.startswith("/")
+
+
+def spoken(topic: str) -> str:
+    """Return the ROS name of a topic or of the service that it belongs to."""
+    if not is_service(topic):
+        return topic
+    return topic[2:].removesuffix("Request").removesuffix("Reply")
+
+
+def request_topic(service: str) -> str:
+    """Return the middleware's name of a service's requests."""
+    return f"rq{service}Request"
+
+
+def _reply_topic(service: str) -> str:
+    return f"rr{service}Reply"
+
+
+def _part(action: str, part: str) -> str:
+    return f"{action}/_action/{part}"
+
+
+def _outputs(stream: Stream) -> Iterator[tuple[str, str]]:
+    if not is_action(stream):
+        yield stream.topic, output_topic(stream.topic)
+        return
+    for part in _CALLED:
+        public, private = stream.topic, output_topic(stream.topic)
+        yield request_topic(_part(public, part)), request_topic(_part(private, part))
+
+
+def _entrances(stream: Stream) -> Iterator[Entrance]:
+    for flow in stream.flows:
+        public, private = stream.topic, flow_topic(stream.topic, flow.name)
+        names = [(public, private)]
+        if is_action(stream):
+            parts = [(_part(public, each), _part(private, each)) for each in _CALLED]
+            names = [(request_topic(one), request_topic(other)) for one, other in parts]
+        for outside, inside in names:
+            yield Entrance(public=outside, private=inside, publishers=(flow.publisher,))
+
+
+def _served(stream: Stream) -> Iterator[PlannedTopic]:
+    """Yield what an action needs: the guard serves the flows and the public name, and calls out."""
+    nodes = stage_nodes(stream)
+    for flow in stream.flows:
+        yield from _action(stream, flow_topic(stream.topic, flow.name), (flow.publisher,), nodes)
+    yield from _action(stream, output_topic(stream.topic), nodes, stream.successors)
+    yield from _action(stream, stream.topic, (ANYBODY,), nodes)
+
+
+def _action(
+    stream: Stream, action: str, clients: tuple[str, ...], servers: tuple[str, ...]
+) -> Iterator[PlannedTopic]:
+    for part in _CALLED:
+        yield _planned(stream, request_topic(_part(action, part)), clients, servers)
+        yield _planned(stream, _reply_topic(_part(action, part)), servers, clients)
+    for part in _TOLD:
+        yield _planned(stream, _part(action, part), servers, clients)
+
+
+def _planned(
+    stream: Stream, topic: str, publishers: tuple[str, ...], subscribers: tuple[str, ...]
+) -> PlannedTopic:
+    return PlannedTopic(
+        topic=topic, guarded=stream.topic, publishers=publishers, subscribers=subscribers
+    )

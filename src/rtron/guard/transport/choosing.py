@@ -1,0 +1,36 @@
+"""Which middleware a guard speaks: the plan says it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtron.errors import SourceError
+from rtron.guard.fence.place import private_master
+from rtron.guard.transport.ros1.transport import Ros1Transport
+
+if TYPE_CHECKING:
+    from rtron.guard.loop import Loop
+    from rtron.guard.transport.ros2.transport import Ros2Transport
+
+_DOMAIN = "domain "
+
+
+def domain_address(domain: int) -> str:
+    """Return what stands for a ROS 2 domain where a ROS 1 master's address would."""
+    return f"{_DOMAIN}{domain}"
+
+
+def open_transport(ros: int, address: str, loop: Loop) -> Ros1Transport | Ros2Transport:
+    """Return a transport for ROS 1 at a master, or for ROS 2 in the domain of an address.
+
+    SourceError if ROS 2 is not installed here.
+    """
+    if ros == 1:
+        return Ros1Transport(loop, private_master(address), public=address)
+    try:
+        from rtron.guard.transport.ros2.transport import Ros2Transport  # noqa: PLC0415
+        from rtron.wire.ros2.session import Session  # noqa: PLC0415
+    except ImportError as error:
+        help = "pip install 'rtron[ros2]', or source your ROS 2"
+        raise SourceError(f"ROS 2 is not there: {error}", help=help) from error
+    return Ros2Transport(loop, Session(int(address.removeprefix(_DOMAIN))))

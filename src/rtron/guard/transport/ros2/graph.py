@@ -1,0 +1,163 @@
+"""The domain's graph as the guard needs it: who is on the topics it watches, told when it changes.
+
+A thread waits for rcl's graph condition, since nothing else tells of changes; all else happens in
+the loop's thread.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import threading
+import uuid
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation as implementation
+
+from rtron.errors import SourceError
+from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT
+from rtron.wire.ros2.endpoints import Ros2Endpoint, publishers_of, subscribers_of
+from rtron.wire.ros2.interfaces import interface
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.node import Node
+
+    from rtron.guard.loop import Loop
+    from rtron.guard.transport.ros2.rcl import Rcl
+    from rtron.wire.ros2.session import Session
+
+log = logging.getLogger(__name__)
+
+_PAUSE_S = 0.02
+_EVERY_S = 0.5
+_LONGEST_WAIT_NS = 500_000_000
+_MOST_ENDPOINTS = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """Who publishes and who subscribes a topic, without ourselves."""
+
+    publishers: tuple[Ros2Endpoint, ...] = ()
+    subscribers: tuple[Ros2Endpoint, ...] = ()
+
+
+_NOBODY = Ends()
+
+
+class Graph:
+    """Keeps what the domain says of each watched topic, and calls all of `changed` after news.
+
+    Of each topic's publishers and subscribers, at most 256 each are known: a stranger who makes
+    endpoints without end costs no more.
+    """
+
+    def __init__(self, loop: Loop, session: Session, rcl: Rcl) -> None:
+        self._loop = loop
+        self._node = session.node(GUARD_NODE)
+        self._rcl = rcl
+        self._ends: dict[str, Ends] = {}
+        self.changed: list[Callable[[], None]] = []
+        self.participant = _participant_of(self._node)
+        """Which participant we are."""
+        self._due = False
+        self._ending = False
+        self._waker = implementation.GuardCondition(self._node.context.handle)
+        self._waiter = threading.Thread(target=self._wait, args=(session,), daemon=True)
+        self._waiter.start()
+        self._look_again()
+
+    def watch(self, topic: str) -> None:
+        """Know about a topic from now on."""
+        if topic not in self._ends:
+            self._ends[topic] = _NOBODY
+            self._soon()
+
+    def ends(self, topic: str) -> Ends:
+        """Return who is on a watched topic."""
+        return self._ends.get(topic, _NOBODY)
+
+    def watched(self) -> tuple[Ends, ...]:
+        """Return who is on all the watched topics."""
+        return tuple(self._ends.values())
+
+    def is_own(self, gid: bytes) -> bool:
+        """Tell whether an endpoint is one of ours."""
+        return gid.startswith(self.participant)
+
+    def look(self, topic: str) -> Ends:
+        """Ask the domain about one topic now; whoever is new, is told to all soon."""
+        ends = self._asked(topic)
+        if ends != self._ends.get(topic):
+            self._ends[topic] = ends
+            self._soon()
+        return ends
+
+    def refresh(self) -> None:
+        """Ask the domain about every watched topic, and tell all of `changed`."""
+        self._due = False
+        if not self._ending:
+            self._ends = {topic: self._asked(topic) for topic in self._ends}
+            for changed in list(self.changed):
+                changed()
+
+    def _look_again(self) -> None:
+        """Refresh at times, change or not: some things are decided by time alone."""
+        if not self._ending:
+            self._soon()
+            self._loop.call_later(_EVERY_S, self._look_again)
+
+    def close(self) -> None:
+        """Ask and tell no more."""
+        self._ending = True
+        self._waker.trigger_guard_condition()
+        self._waiter.join()
+
+    def _asked(self, topic: str) -> Ends:
+        return Ends(
+            publishers=self._others(publishers_of(self._node, topic)),
+            subscribers=self._others(subscribers_of(self._node, topic)),
+        )
+
+    def _others(self, endpoints: list[Ros2Endpoint]) -> tuple[Ros2Endpoint, ...]:
+        others = (each for each in endpoints if not self.is_own(each.gid))
+        return tuple(sorted(others, key=lambda each: each.gid)[:_MOST_ENDPOINTS])
+
+    def _soon(self) -> None:
+        """Refresh in a moment: changes come in crowds."""
+        if not self._due:
+            self._due = True
+            self._loop.call_later(_PAUSE_S, self.refresh)
+
+    def _wait(self, session: Session) -> None:
+        """Tell the loop of each change, until the end; in the thread of its own."""
+        context = session.context.handle
+        with context, self._node.handle:
+            waiting = implementation.WaitSet(0, 2, 0, 0, 0, 0, context)
+            while not self._ending:
+                if self._changes(waiting):
+                    self._loop.post(self._soon)
+
+    def _changes(self, waiting: Any) -> bool:  # noqa: ANN401 - rclpy's handle
+        waiting.clear_entities()
+        waiting.add_guard_condition(self._waker)
+        self._rcl.watch_graph(waiting.pointer, self._node.handle.pointer)
+        waiting.wait(_LONGEST_WAIT_NS)
+        return bool(waiting.get_ready_entities("guard_condition"))
+
+
+def _participant_of(node: Node) -> bytes:
+    """Return which participant a node belongs to, from a topic whose name nobody else knows."""
+    topic = f"{PRIVATE_ROOT}/self_{uuid.uuid4().hex}"
+    publisher = node.create_publisher(interface("std_msgs/Empty").cls, topic, 1)
+    try:
+        found = publishers_of(node, topic)
+    finally:
+        node.destroy_publisher(publisher)
+    with contextlib.suppress(ValueError):
+        (own,) = found
+        return own.participant
+    raise SourceError("this RMW does not tell which endpoints are ours", help="use Fast DDS")

@@ -1,0 +1,203 @@
+"""A topic that one of our nodes subscribes: every publisher in the graph, told by its GID.
+
+Each publisher is offered once to `connect`; its messages are read by a reader that asks for exactly
+what it offers, so that publishers of different QoS are all heard, and each only once. Messages
+whose publisher the graph does not name yet wait a moment for its name.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rtron.errors import SourceError, WireError
+from rtron.guard.seldom import Seldom
+from rtron.guard.transport.ros2.reader import Reader
+from rtron.guard.transport.transport import Peer, TypeInfo
+from rtron.messages.definition_text import parse_definition
+from rtron.messages.whole import whole
+from rtron.vocabulary import SECOND, Durability, QoS, Reliability
+from rtron.wire.ros2.interfaces import Interface, interface
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.node import Node
+
+    from rtron.guard.loop import Loop
+    from rtron.guard.transport.ros2.graph import Graph
+    from rtron.guard.transport.ros2.owners import Owners
+    from rtron.guard.transport.ros2.rcl import Rcl
+    from rtron.guard.transport.transport import Connect, Lost, Receive
+    from rtron.wire.ros2.endpoints import Ros2Endpoint
+
+log = logging.getLogger(__name__)
+
+_AWAIT_NAME = SECOND
+_MOST_UNNAMED = 64
+_MOST_READERS = 8
+
+_Kind = tuple[type, Reliability, Durability]
+
+
+@dataclass(slots=True)
+class _Sender:
+    """A publisher that was offered, and what takes its messages, None if it was refused."""
+
+    peer: Peer
+    receive: Receive | None
+    check: Callable[[bytes], object] | None = None
+    reader: Reader | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What all subscriptions share."""
+
+    loop: Loop
+    rcl: Rcl
+    graph: Graph
+    owners: Owners
+
+
+class Subscription:
+    """Hands each publisher's messages to what `connect` gave for it, and tells who has left."""
+
+    def __init__(
+        self, node: Node, topic: str, connect: Connect, lost: Lost, shared: Surroundings
+    ) -> None:
+        self.topic = topic
+        self._node = node
+        self._connect = connect
+        self._lost = lost
+        self._shared = shared
+        self._senders: dict[bytes, _Sender] = {}
+        self._readers: dict[_Kind, Reader] = {}
+        self._unnamed: deque[tuple[int, Reader, bytes, bytes]] = deque(maxlen=_MOST_UNNAMED)
+        self._seen: dict[bytes, int] = {}
+        self._seldom = Seldom()
+        shared.graph.watch(topic)
+        shared.graph.changed.append(self.update)
+
+    def update(self) -> None:
+        """Take what the graph says: who has come, who has left, whose name is no more its own."""
+        listed = {each.gid: each for each in self._shared.graph.ends(self.topic).publishers}
+        for gid in self._senders.keys() - listed.keys():
+            self._leave(gid)
+        self._seen = {gid: at for gid, at in self._seen.items() if gid in listed}
+        for each in listed.values():
+            self._meet(each)
+        self._hear_unnamed()
+
+    def close(self) -> None:
+        """Hear nobody any more."""
+        self._shared.graph.changed.remove(self.update)
+        for reader in self._readers.values():
+            reader.close()
+        self._readers.clear()
+        self._senders.clear()
+
+    def _meet(self, endpoint: Ros2Endpoint) -> None:
+        """Offer a publisher that is new, was refused, or is not what it was."""
+        now = self._shared.loop.now()
+        since = self._seen.setdefault(endpoint.gid, now)
+        if not endpoint.node and now - since < _AWAIT_NAME:
+            return
+        peer = self._peer(endpoint)
+        sender = self._senders.get(endpoint.gid)
+        if sender and (sender.peer != peer or sender.receive is None):
+            self._leave(endpoint.gid)
+            sender = None
+        if sender is None:
+            self._senders[endpoint.gid] = self._offered(endpoint, peer)
+
+    def _peer(self, endpoint: Ros2Endpoint) -> Peer:
+        return Peer(
+            node=endpoint.node,
+            info=_info_of(endpoint),
+            latching=endpoint.qos.durability is Durability.TRANSIENT_LOCAL,
+            verified=self._shared.owners.has(endpoint.node, endpoint.participant),
+            qos=endpoint.qos,
+        )
+
+    def _offered(self, endpoint: Ros2Endpoint, peer: Peer) -> _Sender:
+        try:
+            found = interface(endpoint.type)
+        except SourceError as error:
+            self._complain(peer, f"cannot be heard: {error}; {error.help}")
+            return _Sender(peer, None)
+        receive = self._connect(peer)
+        if receive is None:
+            return _Sender(peer, None)
+        return _Sender(peer, receive, _check_of(found), self._reader(found, endpoint.qos, peer))
+
+    def _reader(self, found: Interface, qos: QoS, peer: Peer) -> Reader | None:
+        kind = (found.cls, qos.reliability, qos.durability)
+        if kind not in self._readers:
+            if len(self._readers) == _MOST_READERS:
+                self._complain(peer, "is not heard: too many types and QoS on one topic")
+                return None
+            if self._readers:
+                told = "%s: its publishers differ in QoS or type; %s is read apart, as %s, %s"
+                log.warning(told, self.topic, peer.node, qos.reliability, qos.durability)
+            shared = self._shared
+            self._readers[kind] = Reader(
+                self._node, found.cls, self.topic, qos, shared.rcl, shared.loop, self._heard
+            )
+        return self._readers[kind]
+
+    def _heard(self, reader: Reader, gid: bytes, message: bytes) -> None:
+        sender = self._senders.get(gid)
+        if sender is None:
+            self._heard_stranger(reader, gid, message)
+        elif sender.reader is reader and sender.receive and sender.check:
+            try:
+                sender.check(message)
+            except WireError as error:
+                self._complain(sender.peer, f"a message is dropped: {error}")
+            else:
+                sender.receive(message)
+
+    def _heard_stranger(self, reader: Reader, gid: bytes, message: bytes) -> None:
+        """Let a message wait until the graph names its publisher; our own words are nobody's."""
+        if not self._shared.graph.is_own(gid):
+            self._unnamed.append((self._shared.loop.now(), reader, gid, message))
+            self._shared.graph.look(self.topic)
+
+    def _hear_unnamed(self) -> None:
+        """Hear what has waited for a name; of those who are not there, drop it in time."""
+        now, waiting = self._shared.loop.now(), list(self._unnamed)
+        self._unnamed.clear()
+        for since, reader, gid, message in waiting:
+            if gid in self._senders:
+                self._heard(reader, gid, message)
+            elif now - since < 2 * _AWAIT_NAME:
+                self._unnamed.append((since, reader, gid, message))
+            elif self._seldom.may_say("unnamed", now):
+                log.warning("%s: messages of nobody in the graph are dropped", self.topic)
+
+    def _leave(self, gid: bytes) -> None:
+        sender = self._senders.pop(gid)
+        if sender.receive is not None:
+            self._lost(sender.peer)
+
+    def _complain(self, peer: Peer, why: str) -> None:
+        if self._seldom.may_say((peer.node, why[:20]), self._shared.loop.now()):
+            log.error("%s: %s %s", self.topic, peer.node or "a node without a name", why)
+
+
+def _info_of(endpoint: Ros2Endpoint) -> TypeInfo:
+    """Return the publisher's type; one of another hash than ours equals nothing that is known."""
+    try:
+        found = interface(endpoint.type)
+    except SourceError:
+        return TypeInfo(endpoint.type, endpoint.type_hash)
+    if endpoint.type_hash and found.type_hash not in ("", endpoint.type_hash):
+        return TypeInfo(found.name, endpoint.type_hash)
+    return TypeInfo(found.name, found.md5sum, found.definition)
+
+
+def _check_of(found: Interface) -> Callable[[bytes], object]:
+    return whole(parse_definition(found.name, found.definition))

@@ -1,0 +1,101 @@
+"""The guard's transport for ROS 2: many nodes in one participant, raw messages, no executor."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtron.guard.transport.ros2.graph import Graph
+from rtron.guard.transport.ros2.owners import Owners
+from rtron.guard.transport.ros2.publication import Publication
+from rtron.guard.transport.ros2.rcl import Rcl
+from rtron.guard.transport.ros2.subscription import Subscription, Surroundings
+from rtron.guard.transport.transport import Connect, Lost, Output, ignore
+from rtron.messages.encoding import Encoding
+from rtron.wire.ros2.interfaces import interface
+
+if TYPE_CHECKING:
+    from rtron.guard.loop import Loop
+    from rtron.wire.ros2.session import Session
+
+
+class Ros2Transport:
+    """Nodes, topics and a clock on ROS 2; everything happens in the loop's thread."""
+
+    encoding = Encoding.CDR
+
+    def __init__(self, loop: Loop, session: Session) -> None:
+        self.session = session
+        self.rcl = Rcl()
+        self.graph = Graph(loop, session, self.rcl)
+        self.owners = Owners()
+        self.now = loop.now
+        self.call_at = loop.call_at
+        self._shared = Surroundings(loop, self.rcl, self.graph, self.owners)
+        self._publications: list[Publication] = []
+        self._subscriptions: list[Subscription] = []
+        self.graph.changed.append(self._look_at_names)
+
+    def advertise(
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        *,
+        queue_size: int = 100,
+        successors: tuple[str, ...] = (),
+    ) -> Output:
+        """Publish `topic` as `node`; see `Transport`."""
+        return self._publication(node, topic, type, queue_size, successors)
+
+    def subscribe(
+        self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
+    ) -> None:
+        """Subscribe `topic` as `node`; see `Transport`."""
+        del type
+        own = self.session.node(node)
+        self._subscriptions.append(Subscription(own, topic, connect, lost, self._shared))
+
+    def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
+        """Show two nodes of ours as connected; see `Transport`."""
+        output = self._publication(publisher, topic, type)
+        if type:
+            output.own_readers = 1
+            node = self.session.node(subscriber)
+            node.create_subscription(interface(type).cls, topic, lambda _: None, 1, raw=True)
+        return output
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self.graph.close()
+        for subscription in self._subscriptions:
+            subscription.close()
+        for publication in self._publications:
+            publication.close()
+        self.session.close()
+
+    def _publication(
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        queue_size: int = 100,
+        successors: tuple[str, ...] = (),
+    ) -> Publication:
+        publication = Publication(
+            self.session.node(node),
+            topic,
+            type,
+            self.graph,
+            self.rcl,
+            queue_size=queue_size,
+            successors=successors,
+        )
+        if successors:
+            publication.expect(self.now)
+        self._publications.append(publication)
+        return publication
+
+    def _look_at_names(self) -> None:
+        """Know whose each name is, before anybody asks."""
+        ends = self.graph.watched()
+        self.owners.look((e.node, e.participant) for each in ends for e in each.publishers)
