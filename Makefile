@@ -1,13 +1,15 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint coverage mutation fuzz bench eval docs lock
+.PHONY: help setup demo test test-ros2 lint coverage mutation fuzz bench eval docs lock
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
+ROS2_PYTHON := .venv-ros2/bin/python
+ROS2_TESTS = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
 CODE := src tests scripts bench evaluation figures
 
 help: ## List the targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 setup: ## Install Debian's ROS 1 packages and .venv, if they are not there yet
 	@scripts/setup.sh
@@ -29,8 +31,11 @@ coverage: setup ## Check that the tests go through every branch of the policies,
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
-test: lint coverage ## Run lint, coverage and every test
-	$(BIN)/pytest
+test: lint coverage test-ros2 ## Run lint, coverage and every test
+	$(BIN)/pytest -m "not ros2"
+
+test-ros2: setup ## Run the tests on a real ROS 2
+	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS); fi
 
 mutation: setup ## Change the policies in over a thousand small ways; tests must notice (slow)
 	$(BIN)/mutmut run --max-children 1
@@ -52,3 +57,6 @@ docs: setup ## Write the pages that are made from the code
 lock: ## Pin and hash every dependency in requirements.lock (needs uv)
 	uv pip compile pyproject.toml --extra dev --universal --python-version 3.10 \
 	  --generate-hashes --custom-compile-command "make lock" --quiet -o requirements.lock
+	uv pip compile pyproject.toml --extra ros2-dev --universal --python-version 3.10 \
+	  --generate-hashes --custom-compile-command "make lock" --quiet -o requirements-ros2.lock \
+	  -c requirements.lock

@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
-# Installs what RTron needs: Debian's ROS 1 packages, then .venv. Does nothing when all is there.
+# Installs what RTron needs: Debian's ROS 1 packages, then .venv, and .venv-ros2 for the tests on
+# ROS 2, whose wheels change the library path of every Python beside them. Does nothing when all is
+# there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +15,6 @@ TEST_PACKAGES=(
   chromium chromium-driver fonts-dejavu-core g++ libactionlib-dev libgeometry-msgs-dev libroscpp-dev
   libstd-msgs-dev make pkg-config postgresql python3-actionlib
 )
-READY=.venv/.ready
 
 installed() {
   dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
@@ -71,26 +72,37 @@ find_python() {
 }
 
 wanted_state() {
-  sha256sum requirements.lock pyproject.toml scripts/setup.sh
+  sha256sum "$1" pyproject.toml scripts/setup.sh
   pwd
 }
 
+# make_venv FOLDER LOCK: have a virtual environment with all that a lock file names, and RTron.
 make_venv() {
-  if [ "$(cat "$READY" 2>/dev/null)" = "$(wanted_state)" ]; then
+  local folder=$1 lock=$2
+  if [ "$(cat "$folder/.ready" 2>/dev/null)" = "$(wanted_state "$lock")" ]; then
     return
   fi
-  if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
+  if ! "$folder/bin/python" -m pip --version >/dev/null 2>&1; then
     local python
     python=$(find_python)
-    echo "setup: making .venv with $("$python" --version)"
-    "$python" -m venv --clear .venv
+    echo "setup: making $folder with $("$python" --version)"
+    "$python" -m venv --clear "$folder"
   fi
-  echo "setup: installing what requirements.lock names"
-  local install=(.venv/bin/python -m pip install -qq --disable-pip-version-check)
-  "${install[@]}" -r requirements.lock
+  echo "setup: installing what $lock names"
+  local install=("$folder/bin/python" -m pip install -qq --disable-pip-version-check)
+  "${install[@]}" -r "$lock"
   "${install[@]}" --no-deps -e .
-  wanted_state >"$READY"
+  wanted_state "$lock" >"$folder/.ready"
+}
+
+has_ros2_wheels() {
+  [ "$(uname -m)" = x86_64 ]
 }
 
 install_packages
-make_venv
+make_venv .venv requirements.lock
+if has_ros2_wheels; then
+  make_venv .venv-ros2 requirements-ros2.lock
+else
+  echo "setup: no wheels of ROS 2 for $(uname -m): its tests are left out"
+fi

@@ -13,6 +13,8 @@ from rtron.cli.options import DEFAULT_MASTER, Master, PlanOption
 from rtron.errors import InputError
 from rtron.planning.read import read_plan
 
+MOST_DOMAINS = 232
+
 
 class LogLevel(str, Enum):
     """How much the guard says on standard error."""
@@ -31,6 +33,16 @@ def guard(  # noqa: PLR0913 - one for each option
     *,
     plan: PlanOption,
     master: Master = DEFAULT_MASTER,
+    domain: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            max=MOST_DOMAINS,
+            envvar="ROS_DOMAIN_ID",
+            metavar="N",
+            help="The ROS 2 domain of the app.",
+        ),
+    ] = 0,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Let everything pass; report what would be done.")
     ] = False,
@@ -58,9 +70,11 @@ def guard(  # noqa: PLR0913 - one for each option
     $ rtron guard --plan rtron.yaml --dry-run
     $ rtron guard --plan rtron.yaml --dry-run --figures run.json
     $ rtron guard --plan rtron.yaml --master http://robot:11311 --log-level debug
+    $ rtron guard --plan rtron.yaml --domain 7       a plan that says `ros: 2`
     $ rtron guard --plan rtron.yaml --service https://host:8600 --token-file F
 
-    A master that does not answer is waited for. A dry run stands in the flows
+    A master that does not answer is waited for. With ROS 2 the range of discovery
+    and the RMW are those of the environment. A dry run stands in the flows
     but forbids nothing: diagnostics and log tell what would have been stopped.
     `rtron plan --from-run run.json` makes settings of the figures that it keeps.
 
@@ -75,6 +89,7 @@ def guard(  # noqa: PLR0913 - one for each option
     Exit code: 0 stopped, 2 bad plan.
     """
     from rtron.guard.supervision.start import supervise  # noqa: PLC0415 - no other needs a guard
+    from rtron.guard.transport.choosing import domain_address  # noqa: PLC0415
 
     assignments(appended or ())
     if figures and not dry_run:
@@ -85,7 +100,7 @@ def guard(  # noqa: PLR0913 - one for each option
     linked = link_options(read.app, service, token_file, robot, state, ca) if service else None
     supervise(
         read,
-        master,
+        master if read.ros == 1 else domain_address(domain),
         log_level=log_level.value.upper(),
         dry_run=dry_run,
         control=control,

@@ -8,7 +8,7 @@ from rtron.guard.supervision.said import info_of, said_of
 from rtron.guard.transport.transport import Output, Transport, TypeInfo
 from rtron.guard.types import codec_of, standard_info
 from rtron.messages.velocity import VelocityCodec
-from rtron.vocabulary import SUPERVISOR_NODE, UNAPPROVED, Stream, output_topic
+from rtron.vocabulary import SUPERVISOR_NODE, UNAPPROVED, QoS, Stream, output_topic
 
 log = logging.getLogger(__name__)
 
@@ -22,6 +22,7 @@ class Brake:
         self._output: Output = transport.advertise(
             SUPERVISOR_NODE, output_topic(stream.topic), stream.type, queue_size=stream.queue_size
         )
+        self._output.offer(UNAPPROVED, QoS())
         self._codec: VelocityCodec | None = None
         self._learned = 0
         self._stopper: Stopper | None = None

@@ -6,6 +6,7 @@ the loop's thread.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import logging
 import threading
@@ -68,6 +69,7 @@ class Graph:
         self._waker = implementation.GuardCondition(self._node.context.handle)
         self._waiter = threading.Thread(target=self._wait, args=(session,), daemon=True)
         self._waiter.start()
+        atexit.register(self.close)  # the thread must not be in rcl when Python ends
         self._look_again()
 
     def watch(self, topic: str) -> None:
@@ -112,6 +114,7 @@ class Graph:
 
     def close(self) -> None:
         """Ask and tell no more."""
+        atexit.unregister(self.close)
         self._ending = True
         self._waker.trigger_guard_condition()
         self._waiter.join()
