@@ -1,0 +1,126 @@
+"""The guard on a real ROS 2: the paper's GR attack, QoS, what was latched, and the supervisor."""
+
+import os
+import re
+import signal
+from collections import Counter
+
+import pytest
+from harness import wait_for
+
+pytest.importorskip("rclpy")
+from rtron.vocabulary import Durability, Reliability, flow_topic, output_topic
+from rtron.wire.ros2.endpoints import publishers_of
+from rtron.wire.ros2.session import Session
+
+pytestmark = pytest.mark.ros2
+PLAN = """
+schema: rtron.plan/1
+app: robot
+ros: 2
+revision: 1
+grcn:
+  - id: grcn_cmd_vel
+    topic: /cmd_vel
+    type: geometry_msgs/msg/Twist
+    mode: enforce
+    policy: Preemption
+    successors: [/driver]
+    flows:
+      - {name: nav, publisher: /nav, priority: 2}
+      - {name: teleop, publisher: /teleop, priority: 1}
+"""
+TOPIC = "/cmd_vel"
+NAV, OUT = flow_topic(TOPIC, "nav"), output_topic(TOPIC)
+EVIL = "9.0"
+
+
+@pytest.fixture
+def guard(ros2):
+    """Start the guard; it is ready when it says so."""
+
+    def start():
+        plan = ros2.folder / "rtron.yaml"
+        plan.write_text(PLAN)
+        guard = ros2.rtron("guard", "--plan", plan)
+        wait_for(lambda: "guarding 1 topics" in guard.log or guard.ended, what="the guard")
+        assert not guard.ended, guard.log
+        return guard
+
+    return start
+
+
+def speeds(driver):
+    return Counter(re.findall(r"speed (\S+)", driver.log))
+
+
+@pytest.fixture
+def domain(ros2):
+    """Look at the test's domain from this process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        session = Session(ros2.domain)
+        yield session.node("/looker")
+        session.close()
+
+
+def speaker(ros2, name, topic, speed, rate, *more):
+    return ros2.node("speaker2.py", topic, speed, rate, *more, name=name)
+
+
+def test_not_one_of_a_thousand_malicious_messages_passes(ros2, guard):
+    driver = ros2.node("driver2.py", OUT, name="/driver")
+    guarding = guard()
+    speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
+    evil = [
+        speaker(ros2, "/evil", TOPIC, EVIL, "400", "1000"),
+        speaker(ros2, "/nav", NAV, EVIL, "200", "400"),
+        speaker(ros2, "/other", flow_topic(TOPIC, "teleop"), EVIL, "200", "400"),
+    ]
+    wait_for(lambda: all("said all" in each.log for each in evil), 120, "the attack")
+    before = speeds(driver)["0.5"]
+    wait_for(lambda: speeds(driver)["0.5"] > before + 20, what="the navigation after it")
+    assert speeds(driver)[EVIL] == 0
+    assert "unapproved publisher /evil under the public name" in guarding.log
+    assert "unapproved publisher /other on the private topic of teleop" in guarding.log
+    assert "unapproved publisher /nav on the private topic of nav" in guarding.log
+
+
+@pytest.mark.parametrize(
+    ("profile", "reliability", "deadline"),
+    [("reliable", Reliability.RELIABLE, 0), ("best_effort", Reliability.BEST_EFFORT, 2 * 10**9)],
+)
+def test_the_driver_gets_the_qos_of_the_publisher(
+    ros2, guard, domain, profile, reliability, deadline
+):
+    guard()
+    driver = ros2.node("driver2.py", OUT, profile, name="/driver")
+    speaker(ros2, "/nav", NAV, "0.5", "20", "", profile)
+    wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
+    offered = {e.node: e.qos for e in publishers_of(domain, OUT)}["/rtron/grcn_cmd_vel"]
+    assert (offered.reliability, offered.deadline) == (reliability, deadline)
+    assert offered.durability is Durability.VOLATILE
+
+
+def test_what_was_latched_before_the_guard_came_arrives(ros2, guard, domain):
+    nav = speaker(ros2, "/nav", NAV, "0.5", "10", "1", "latched")
+    wait_for(lambda: "said all" in nav.log, what="the one word")
+    guard()
+    driver = ros2.node("driver2.py", OUT, "latched", name="/driver")
+    wait_for(lambda: speeds(driver)["0.5"], what="what was latched")
+    offered = {e.node: e.qos for e in publishers_of(domain, OUT)}["/rtron/grcn_cmd_vel"]
+    assert offered.durability is Durability.TRANSIENT_LOCAL
+
+
+def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
+    driver = ros2.node("driver2.py", OUT, name="/driver")
+    supervisor = guard()
+    speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
+    (pid,) = re.findall(r"the guard begins, process (\d+)", supervisor.log)
+    os.kill(int(pid), signal.SIGKILL)
+    stops = speeds(driver)["0.0"]
+    wait_for(lambda: speeds(driver)["0.0"] > stops, what="the stop")
+    stopped = speeds(driver)["0.5"]
+    wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")

@@ -1,0 +1,189 @@
+import os
+
+from launch.core import Action, normalize, perform
+from launch.event_handler import EventHandler
+from launch.event_handlers import OnProcessExit
+from launch.events import ProcessExited, ProcessStarted, Shutdown as ShutdownEvent, TimerEvent
+from launch.launch_description_sources import LaunchDescriptionSource
+
+
+class DeclareLaunchArgument(Action):
+    def __init__(self, name, *, default_value=None, description="", **kwargs):
+        super().__init__(**kwargs)
+        self.name = name
+        self.default_value = None if default_value is None else normalize(default_value)
+        self.maybe = False
+
+    def execute(self, context):
+        if self.name not in context.launch_configurations:
+            if self.default_value is None:
+                raise RuntimeError(f'Required launch argument "{self.name}" was not provided.')
+            context.launch_configurations[self.name] = perform(context, self.default_value)
+
+
+class SetLaunchConfiguration(Action):
+    def __init__(self, name, value, **kwargs):
+        super().__init__(**kwargs)
+        self.name, self.value = normalize(name), normalize(value)
+
+    def execute(self, context):
+        value = perform(context, self.value)
+        context.launch_configurations[perform(context, self.name)] = value
+
+
+class IncludeLaunchDescription(Action):
+    def __init__(self, launch_description_source, *, launch_arguments=None, **kwargs):
+        super().__init__(**kwargs)
+        assert isinstance(launch_description_source, LaunchDescriptionSource)
+        self.source = launch_description_source
+        self.launch_arguments = tuple(launch_arguments or ())
+
+    def get_sub_entities(self):
+        return [self.source.get_launch_description(None)]
+
+    def execute(self, context):
+        description = self.source.get_launch_description(context)
+        given = [name for name, _ in self.launch_arguments]
+        for argument in description.get_launch_arguments():
+            if argument.default_value is None and not argument.maybe and argument.name not in given:
+                raise RuntimeError(f"missing required argument '{argument.name}'")
+        return [*(SetLaunchConfiguration(*pair) for pair in self.launch_arguments), description]
+
+
+class OpaqueFunction(Action):
+    def __init__(self, *, function, args=(), kwargs=None, **left):
+        super().__init__(**left)
+        self.function, self.args, self.kwargs = function, args, kwargs or {}
+
+    def execute(self, context):
+        return self.function(context, *self.args, **self.kwargs)
+
+
+class _Push(Action):
+    def execute(self, context):
+        context.stack.append(context.launch_configurations.copy())
+
+
+class _Pop(Action):
+    def execute(self, context):
+        context.launch_configurations = context.stack.pop()
+
+
+class _Reset(Action):
+    def execute(self, context):
+        context.launch_configurations.clear()
+
+
+class GroupAction(Action):
+    def __init__(self, actions, *, scoped=True, forwarding=True, **left):
+        super().__init__(**left)
+        inner = [] if forwarding else [_Reset()]
+        self.inner = [_Push(), *inner, *actions, _Pop()] if scoped else list(actions)
+
+    def get_sub_entities(self):
+        return self.inner
+
+    def execute(self, context):
+        return self.inner
+
+
+class RegisterEventHandler(Action):
+    def __init__(self, event_handler, **kwargs):
+        super().__init__(**kwargs)
+        self.__event_handler = event_handler
+
+    @property
+    def event_handler(self):
+        return self.__event_handler
+
+    def execute(self, context):
+        context.register_event_handler(self.__event_handler)
+
+
+class UnregisterEventHandler(Action):
+    def __init__(self, event_handler, **kwargs):
+        super().__init__(**kwargs)
+        self.event_handler = event_handler
+
+    def execute(self, context):
+        context.unregister_event_handler(self.event_handler)
+
+
+class EmitEvent(Action):
+    def __init__(self, *, event, **kwargs):
+        super().__init__(**kwargs)
+        self.event = event
+
+    def execute(self, context):
+        context.emit_event_sync(self.event)
+
+
+class Shutdown(Action):
+    def __init__(self, *, reason="reason not given", **kwargs):
+        super().__init__(**kwargs)
+        self.reason = reason
+
+    def execute(self, context):
+        context.emit_event_sync(ShutdownEvent(reason=self.reason))
+
+
+class TimerAction(Action):
+    def __init__(self, *, period, actions, **kwargs):
+        super().__init__(**kwargs)
+        self.__actions = actions
+
+    @property
+    def actions(self):
+        return self.__actions
+
+    def handle(self, context):
+        return self.__actions
+
+    def execute(self, context):
+        handler = EventHandler(
+            matcher=lambda event: isinstance(event, TimerEvent) and event.timer_action is self,
+            entities=OpaqueFunction(function=self.handle),
+        )
+        context.register_event_handler(handler)
+        context.emit_event_sync(TimerEvent(timer_action=self))
+
+
+class ExecuteProcess(Action):
+    def __init__(self, *, cmd, name=None, on_exit=None, output="log", shell=False, **kwargs):
+        for known in ("respawn", "respawn_delay", "additional_env", "env", "cwd", "prefix"):
+            kwargs.pop(known, None)
+        super().__init__(**kwargs)
+        self.__cmd = [normalize(word) for word in cmd]
+        self.__name, self.__on_exit = name, on_exit
+        self.__details = None
+
+    @property
+    def cmd(self):
+        return self.__details["cmd"] if self.__details else self.__cmd
+
+    @property
+    def process_details(self):
+        return self.__details
+
+    def execute(self, context):
+        if self.__details:
+            raise RuntimeError("executed more than once")
+        words = [perform(context, word) for word in self.__cmd]
+        name = self.__name or os.path.basename(words[0])
+        self.__details = {"action": self, "name": name, "cmd": words}
+        if self.__on_exit is not None:
+            on_exit = OnProcessExit(target_action=self, on_exit=self.__on_exit)
+            context.register_event_handler(on_exit)
+        context.emit_event_sync(_Starting(self.__details))
+
+
+class _Starting:
+    """The process starts, some time after its action was executed; the double ends it at once."""
+
+    def __init__(self, details):
+        self.details = details
+
+    def start(self, context):
+        context.started.append(list(self.details["cmd"]))
+        context.emit_event_sync(ProcessStarted(**self.details))
+        context.emit_event_sync(ProcessExited(**self.details))

@@ -1,0 +1,120 @@
+import asyncio
+import collections
+
+
+class LaunchDescriptionEntity:
+    def describe(self):
+        return repr(self)
+
+    def describe_sub_entities(self):
+        return []
+
+    def describe_conditional_sub_entities(self):
+        return []
+
+    def visit(self, context):
+        return None
+
+    def get_asyncio_future(self):
+        return None
+
+
+class Substitution:
+    def perform(self, context):
+        raise NotImplementedError
+
+
+class TextSubstitution(Substitution):
+    def __init__(self, *, text):
+        self.text = text
+
+    def perform(self, context):
+        return self.text
+
+
+def normalize(some):
+    if isinstance(some, str):
+        return [TextSubstitution(text=some)]
+    if isinstance(some, Substitution):
+        return [some]
+    return [one for item in some for one in normalize(item)]
+
+
+def perform(context, substitutions):
+    return "".join(context.perform_substitution(one) for one in substitutions)
+
+
+class LaunchContext:
+    def __init__(self):
+        self.asyncio_loop = asyncio.new_event_loop()
+        self.launch_configurations = {}
+        self.stack = []
+        self.handlers = collections.deque()
+        self.events = collections.deque()
+        self.is_shutdown = False
+
+    def perform_substitution(self, substitution):
+        return substitution.perform(self)
+
+    def register_event_handler(self, handler, append=False):
+        (self.handlers.append if append else self.handlers.appendleft)(handler)
+
+    def unregister_event_handler(self, handler):
+        self.handlers.remove(handler)
+
+    def emit_event_sync(self, event):
+        self.events.append(event)
+
+
+class Action(LaunchDescriptionEntity):
+    def __init__(self, *, condition=None):
+        self.__condition = condition
+
+    @property
+    def condition(self):
+        return self.__condition
+
+    def get_sub_entities(self):
+        return []
+
+    def describe_sub_entities(self):
+        return self.get_sub_entities() if self.condition is None else []
+
+    def describe_conditional_sub_entities(self):
+        return [("", self.get_sub_entities())] if self.condition is not None else []
+
+    def visit(self, context):
+        if self.__condition is None or self.__condition.evaluate(context):
+            return self.execute(context)
+        return None
+
+    def execute(self, context):
+        return None
+
+
+class LaunchDescription(LaunchDescriptionEntity):
+    def __init__(self, initial_entities=None):
+        self.entities = list(initial_entities or ())
+
+    def visit(self, context):
+        return self.entities
+
+    def describe_sub_entities(self):
+        return self.entities
+
+    def get_launch_arguments(self):
+        from launch.actions import DeclareLaunchArgument
+
+        found = {}
+
+        def look(entities, maybe):
+            for entity in entities:
+                if isinstance(entity, DeclareLaunchArgument):
+                    entity.maybe = maybe or entity.condition is not None
+                    found.setdefault(entity.name, entity)
+                look(entity.describe_sub_entities(), maybe)
+                for _, inner in entity.describe_conditional_sub_entities():
+                    look(inner, True)
+
+        look(self.entities, False)
+        return list(found.values())

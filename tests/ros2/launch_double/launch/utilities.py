@@ -1,0 +1,3 @@
+from launch.core import perform as perform_substitutions
+
+__all__ = ["perform_substitutions"]
