@@ -44,8 +44,9 @@ mutation: setup ## Change the policies in over a thousand small ways; tests must
 fuzz: setup ## Give the wire parsers over 100000 hostile inputs (3 minutes)
 	$(BIN)/pytest tests/wire --hypothesis-profile=fuzz -k fuzz --timeout=0 -q
 
-bench: setup ## Measure, and write build/bench.json
+bench: setup ## Measure, and write build/bench.json and build/bench-ros2.json
 	$(PYTHON) -m bench
+	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m bench -o build/bench-ros2.json; fi
 
 eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json
 	$(PYTHON) -m evaluation

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 from rich.console import Console
@@ -23,6 +24,7 @@ from bench import (
     memory,
     policies,
     replay,
+    ros2_hop,
     rules,
     silence,
     supervisor,
@@ -53,6 +55,11 @@ PARTS: dict[str, Part] = {
     "link": link.figures,
     "faults": faults.figures,
 }
+ROS2_PARTS: dict[str, Part] = {
+    "ros2_hop": ros2_hop.figures,
+}
+"""Need rclpy: these run where it is installed, the others where it is not."""
+HERE = ROS2_PARTS if find_spec("rclpy") else PARTS
 OUTPUT = ROOT / "build" / "bench.json"
 
 
@@ -63,7 +70,7 @@ def main() -> None:
     console = Console(width=None if sys.stdout.isatty() else 110)
     found: list[Figure] = []
     with site() as here, _progress(console) as progress:
-        for figure in _measure(here, chosen or list(PARTS), progress):
+        for figure in _measure(here, chosen or list(HERE), progress):
             found.append(figure)
             console.print(f"{figure.name}: {number(figure.ours)} {figure.unit}")
             write(found, output, keep=bool(chosen))
@@ -78,7 +85,7 @@ def _measure(here: Site, names: Sequence[str], progress: Progress) -> Iterator[F
         def say(what: str, name: str = name) -> None:
             progress.update(task, description=f"{name}: {what}")
 
-        yield from PARTS[name](here, say)
+        yield from HERE[name](here, say)
         progress.advance(task)
 
 
@@ -91,11 +98,11 @@ def _progress(console: Console) -> Progress:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
-    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(HERE))
     parser.add_argument("-o", "--output", type=Path, default=OUTPUT, help="the JSON file")
     args = parser.parse_args()
-    if unknown := set(args.parts) - set(PARTS):
-        parser.error(f"no such part: {', '.join(sorted(unknown))}")
+    if unknown := set(args.parts) - set(HERE):
+        parser.error(f"no such part with this Python: {', '.join(sorted(unknown))}")
     return args
 
 

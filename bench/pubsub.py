@@ -82,13 +82,13 @@ def interleave(
 def _receiver(way: Way, load: Load) -> list[str]:
     options = ("--count", str(load.arriving), "--message", load.message)
     limit = ("--limit", str(load.limit))
-    return python("bench.receiver", "--subscribe", *way.outputs, *options, *limit)
+    return python(way.end("receiver"), "--subscribe", *way.outputs, *options, *limit)
 
 
 def _generator(way: Way, load: Load) -> list[str]:
     options = ("--count", str(load.count), "--message", load.message, "--limit", str(load.limit))
     pace = ("--rate", str(load.rate), "--burst", str(load.burst))
-    return python("bench.generator", "--publish", *way.inputs, *options, *pace)
+    return python(way.end("generator"), "--publish", *way.inputs, *options, *pace)
 
 
 def _started(here: Site, stack: ExitStack, command: list[str]) -> subprocess.Popen[str]:

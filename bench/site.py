@@ -16,6 +16,7 @@ from typing import Any
 
 _START_S = 20.0
 _STOP_S = 5.0
+_DOMAINS = 100
 ROOT = Path(__file__).parents[1]
 
 
@@ -101,6 +102,8 @@ def _environ(folder: Path, port: int) -> dict[str, str]:
         "ROS_HOSTNAME": "localhost",
         "ROS_HOME": str(folder),
         "ROS_LOG_DIR": str(folder),
+        "ROS_DOMAIN_ID": str(os.getpid() % _DOMAINS + 1),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
 
 

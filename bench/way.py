@@ -20,12 +20,20 @@ Open = Callable[[Site], AbstractContextManager[Any]]
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """What stands between, how to start it, where to publish (NODE=TOPIC) and where to listen."""
+    """What stands between, how to start it, where to publish (NODE=TOPIC) and where to listen.
+
+    `ros` is the generation that the ends speak.
+    """
 
     name: str
     inputs: Sequence[str]
     outputs: Sequence[str]
     open: Open = field(default=lambda _: nullcontext())
+    ros: int = 1
+
+    def end(self, name: str) -> str:
+        """Return the module of the process at an end."""
+        return f"bench.{name}" if self.ros == 1 else f"bench.ros2_{name}"
 
 
 def direct() -> Way:

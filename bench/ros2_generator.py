@@ -1,0 +1,74 @@
+"""The process that sends on ROS 2: `python -m bench.ros2_generator --publish NODE=TOPIC ...`.
+
+As `bench.generator`, with rclpy's own publishers.
+"""
+
+import argparse
+import json
+import select
+import signal
+import sys
+import time
+from itertools import cycle
+from typing import Any
+
+from bench.ros2_ends import class_of, node, qos
+from bench.ros2_messages import MESSAGES, WARM_UP, Message
+
+_WARM_UP_S = 0.02
+_SECOND = 1_000_000_000
+
+
+def main() -> None:
+    """Publish as the arguments say."""
+    args = _arguments()
+    signal.alarm(args.limit)
+    message = MESSAGES[args.message]
+    pairs = [pair.split("=") for pair in args.publish]
+    nodes = {name: node(name) for name, _ in pairs}
+    made = [
+        nodes[name].create_publisher(class_of(message.type), topic, qos()) for name, topic in pairs
+    ]
+    _warm_up(made, message)
+    print(json.dumps(_send(made, message, args.count, args.rate)), flush=True)
+    sys.stdin.readline()
+
+
+def _warm_up(made: list[Any], message: Message) -> None:
+    while not select.select([sys.stdin], [], [], _WARM_UP_S)[0]:
+        for publisher in made:
+            publisher.publish(message.stamped(time.monotonic_ns(), WARM_UP))
+    sys.stdin.readline()
+
+
+def _send(made: list[Any], message: Message, count: int, rate: int) -> dict[str, float]:
+    start = time.monotonic_ns()
+    latest = 0
+    for number, publisher in zip(range(count), cycle(made), strict=False):
+        latest = max(latest, _wait_until(start + number * _SECOND // rate))
+        publisher.publish(message.stamped(time.monotonic_ns(), number))
+    seconds = (time.monotonic_ns() - start) / _SECOND
+    return {"sent": count, "seconds": seconds, "late_ms": latest / 1e6}
+
+
+def _wait_until(when: int) -> int:
+    """Sleep until `when` (ns); return how late it is already, ns."""
+    left = when - time.monotonic_ns()
+    if left > 0:
+        time.sleep(left / _SECOND)
+    return max(0, -left)
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="Publish for a benchmark on ROS 2.")
+    parser.add_argument("--publish", nargs="+", required=True, metavar="NODE=TOPIC")
+    parser.add_argument("--message", choices=MESSAGES, default="twist")
+    parser.add_argument("--count", type=int, default=1000, help="messages in all")
+    parser.add_argument("--rate", type=int, default=200, help="messages/s in all")
+    parser.add_argument("--burst", type=int, default=1, choices=[1])
+    parser.add_argument("--limit", type=int, default=120, help="seconds after which to give up")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()
