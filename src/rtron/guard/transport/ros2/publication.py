@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from rtron.guard.transport.ros2.graph import Graph
-    from rtron.guard.transport.ros2.rcl import Rcl
+    from rtron.guard.transport.ros2.surroundings import Surroundings
     from rtron.guard.transport.transport import TypeInfo
 
 log = logging.getLogger(__name__)
@@ -30,7 +29,7 @@ class Publication:
     """Publishes raw messages; the publisher is made when the type and the QoS are known.
 
     It is made again when flows offer more than it does. What is said before the first of the
-    expected `successors` is there waits for it a moment.
+    expected `successors` has found it waits for that a moment.
     """
 
     def __init__(
@@ -38,8 +37,7 @@ class Publication:
         node: Node,
         topic: str,
         type: str,
-        graph: Graph,
-        rcl: Rcl,
+        shared: Surroundings,
         *,
         queue_size: int,
         successors: tuple[str, ...] = (),
@@ -50,22 +48,20 @@ class Publication:
         self.type = normalise_type(type)
         self.info: TypeInfo | None = None
         self._node = node
-        self._graph = graph
-        self._rcl = rcl
+        self._graph = shared.graph
+        self._rcl = shared.rcl
         self._depth = queue_size
         self._successors = successors
         self._offered: dict[str, QoS] = {}
         self._latched: dict[str, bytes] = {}
         self._publisher: Any = None
+        self._pointer = 0
+        self._count: Callable[[], int] = lambda: 0
         self._qos = QoS()
         self._early: Backlog | None = None
         self._early_since = 0
-        self._now: Callable[[], int] = lambda: 0
-        graph.watch(topic)
-
-    def expect(self, now: Callable[[], int]) -> None:
-        """Let what is said first wait for the first subscriber."""
-        self._early, self._now = Backlog(self._depth, _EARLY_BYTES), now
+        self._now = shared.loop.now
+        self._graph.watch(topic)
         self._graph.changed.append(self._flush)
 
     def learn(self, info: TypeInfo) -> bool:
@@ -117,15 +113,12 @@ class Publication:
             self._publisher = None
 
     def _send(self, message: bytes) -> None:
-        handle = self._publisher.handle
-        if handle.get_subscription_count() > self.own_readers:
+        if self._count() > self.own_readers:
             self._flush()
-        elif self._early is not None:
-            self._keep(self._early, message)
-            return
         elif self._qos.durability is Durability.VOLATILE:
+            self._keep(message)
             return
-        self._rcl.publish(handle.pointer, message)
+        self._rcl.publish(self._pointer, message)
 
     def _asked_for(self) -> set[str]:
         """Return the types that successors ask for."""
@@ -140,30 +133,32 @@ class Publication:
         kept = qos.durability is Durability.TRANSIENT_LOCAL
         depth = max(1, len(self._offered)) if kept else self._depth
         made = self._node.create_publisher(found.cls, self.topic, profile(qos, depth))
-        self._publisher = made
+        self._publisher, self._pointer = made, made.handle.pointer
+        self._count = made.handle.get_subscription_count
+        self._early = Backlog(self._depth, _EARLY_BYTES) if self._successors else None
+        self._early_since = 0
         for message in self._latched.values() if kept else ():
-            self._rcl.publish(made.handle.pointer, message)
+            self._rcl.publish(self._pointer, message)
 
     def _report(self, wanted: QoS) -> None:
         if len(set(self._offered.values())) > 1:
             told = "%s: its publishers differ in QoS; offered is what fits all: %s, %s"
             log.warning(told, self.topic, wanted.reliability, wanted.durability)
 
-    def _keep(self, early: Backlog, message: bytes) -> None:
-        """Let the first messages wait for the first subscriber; when it is late, they are stale."""
+    def _keep(self, message: bytes) -> None:
+        """Let the first messages wait for a successor; when it is late, they are stale."""
+        if self._early is None:
+            return
         self._early_since = self._early_since or self._now()
         if self._now() - self._early_since > _AWAIT_FIRST:
             self._early = None
         else:
-            early.append(message)
+            self._early.append(message)
 
     def _flush(self) -> None:
         """Send what has waited, once somebody is there."""
-        if not self._early or self._publisher is None:
-            return
-        handle = self._publisher.handle
-        if handle.get_subscription_count():
+        if self._early is not None and self._publisher is not None and self._count():
             early, self._early = self._early, None
             fresh = self._now() - self._early_since <= _AWAIT_FIRST
             for _ in range(len(early) if fresh else 0):
-                self._rcl.publish(handle.pointer, early.pop())
+                self._rcl.publish(self._pointer, early.pop())

@@ -9,7 +9,16 @@ message, which rclpy tells only since Kilted.
 from __future__ import annotations
 
 import ctypes
-from ctypes import Structure, byref, c_char_p, c_int, c_size_t, c_uint8, c_void_p
+from ctypes import (
+    Structure,
+    addressof,
+    c_char_p,
+    c_int,
+    c_size_t,
+    c_uint8,
+    c_void_p,
+    string_at,
+)
 from typing import Any
 
 from rtron.errors import WireError
@@ -31,7 +40,7 @@ class _Serialized(Structure):
     """rcutils_uint8_array_t, which rmw calls a serialized message."""
 
     _fields_ = (
-        ("buffer", c_void_p),
+        ("buffer", c_char_p),
         ("length", c_size_t),
         ("capacity", c_size_t),
         ("allocator", _Allocator),
@@ -59,6 +68,10 @@ class Rcl:
         self._allocator = allocator()
         self._in, self._out = _Serialized(), _Serialized(allocator=self._allocator)
         self._info = (c_uint8 * _INFO_SIZE)()
+        self._in_at, self._out_at = addressof(self._in), addressof(self._out)
+        self._info_at = addressof(self._info)
+        self._gid_at = self._info_at + _GID_AT
+        self._buffer = c_void_p.from_address(self._in_at)
         self._grow()
 
     def notify(self, kind: str, handle: Any, fd: int) -> None:  # noqa: ANN401 - rclpy's handle
@@ -70,31 +83,32 @@ class Rcl:
 
     def take(self, subscription: int) -> tuple[bytes, bytes] | None:
         """Return the next message of a subscription, by its pointer, and its publisher's GID."""
-        code = self._take(subscription, byref(self._in), self._info, None)
+        code = self._take(subscription, self._in_at, self._info_at, None)
         if code == _NOTHING:
             return None
-        self._check(code, "take a message")
-        message = ctypes.string_at(self._in.buffer, self._in.length)
-        gid = bytes(self._info[_GID_AT : _GID_AT + GID_SIZE])
+        if code:
+            self._check(code, "take a message")
+        message = string_at(self._buffer.value or 0, self._in.length)
+        gid = string_at(self._gid_at, GID_SIZE)
         if self._in.capacity > _LARGEST_KEPT:
-            self._fini(byref(self._in))
+            self._fini(self._in_at)
             self._grow()
         return message, gid
 
     def publish(self, publisher: int, message: bytes) -> None:
         """Send a serialized message with a publisher, by its pointer."""
         out = self._out
-        out.buffer = ctypes.cast(c_char_p(message), c_void_p)
+        out.buffer = message
         out.length = out.capacity = len(message)
-        self._check(self._publish(publisher, byref(out), None), "publish")
+        if code := self._publish(publisher, self._out_at, None):
+            self._check(code, "publish")
 
     def watch_graph(self, wait_set: int, node: int) -> None:
         """Let a wait set, by its pointer, wake up when the graph of a node changes."""
         self._check(self._add(wait_set, self._condition(node), None), "watch the graph")
 
     def _grow(self) -> None:
-        self._in = _Serialized()
-        self._init(byref(self._in), _FIRST_CAPACITY, byref(self._allocator))
+        self._init(self._in_at, _FIRST_CAPACITY, addressof(self._allocator))
 
     def _check(self, code: int, what: str) -> None:
         if code != _OK:

@@ -26,10 +26,7 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from rtron.guard.loop import Loop
-    from rtron.guard.transport.ros2.graph import Graph
-    from rtron.guard.transport.ros2.owners import Owners
-    from rtron.guard.transport.ros2.rcl import Rcl
+    from rtron.guard.transport.ros2.surroundings import Surroundings
     from rtron.guard.transport.transport import Connect, Lost, Receive
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
@@ -50,16 +47,6 @@ class _Sender:
     receive: Receive | None
     check: Callable[[bytes], object] | None = None
     reader: Reader | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Surroundings:
-    """What all subscriptions share."""
-
-    loop: Loop
-    rcl: Rcl
-    graph: Graph
-    owners: Owners
 
 
 class Subscription:

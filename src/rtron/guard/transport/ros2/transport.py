@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtron.guard.transport.ros2.action_ends import ActionEnds
 from rtron.guard.transport.ros2.graph import Graph
 from rtron.guard.transport.ros2.owners import Owners
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl
-from rtron.guard.transport.ros2.subscription import Subscription, Surroundings
+from rtron.guard.transport.ros2.subscription import Subscription
+from rtron.guard.transport.ros2.surroundings import Surroundings
 from rtron.guard.transport.transport import Connect, Lost, Output, ignore
 from rtron.messages.encoding import Encoding
 from rtron.wire.ros2.interfaces import interface
 
 if TYPE_CHECKING:
+    from rtron.guard.action.ros2.ends import Hears
     from rtron.guard.loop import Loop
+    from rtron.vocabulary import Stream
     from rtron.wire.ros2.session import Session
 
 
@@ -33,6 +37,7 @@ class Ros2Transport:
         self._shared = Surroundings(loop, self.rcl, self.graph, self.owners)
         self._publications: list[Publication] = []
         self._subscriptions: list[Subscription] = []
+        self._actions: list[ActionEnds] = []
         self.graph.changed.append(self._look_at_names)
 
     def advertise(
@@ -55,6 +60,12 @@ class Ros2Transport:
         own = self.session.node(node)
         self._subscriptions.append(Subscription(own, topic, connect, lost, self._shared))
 
+    def action_ends(self, stream: Stream, node: str, hears: Hears) -> ActionEnds:
+        """Return the services and topics of an action; see `CarriesRequests`."""
+        ends = ActionEnds(stream, self.session.node(node), hears, self._shared)
+        self._actions.append(ends)
+        return ends
+
     def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
         output = self._publication(publisher, topic, type)
@@ -71,6 +82,8 @@ class Ros2Transport:
             subscription.close()
         for publication in self._publications:
             publication.close()
+        for action in self._actions:
+            action.close()
         self.session.close()
 
     def _publication(
@@ -85,13 +98,10 @@ class Ros2Transport:
             self.session.node(node),
             topic,
             type,
-            self.graph,
-            self.rcl,
+            self._shared,
             queue_size=queue_size,
             successors=successors,
         )
-        if successors:
-            publication.expect(self.now)
         self._publications.append(publication)
         return publication
 
