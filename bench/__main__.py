@@ -24,6 +24,7 @@ from bench import (
     memory,
     policies,
     replay,
+    ros2_discovery,
     ros2_hop,
     rules,
     silence,
@@ -56,6 +57,7 @@ PARTS: dict[str, Part] = {
     "faults": faults.figures,
 }
 ROS2_PARTS: dict[str, Part] = {
+    "ros2_discovery": ros2_discovery.figures,
     "ros2_hop": ros2_hop.figures,
 }
 """Need rclpy: these run where it is installed, the others where it is not."""

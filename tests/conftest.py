@@ -1,5 +1,6 @@
 """What tests of every folder use."""
 
+import signal
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,6 +11,13 @@ sys.path += [str(Path(__file__).parent / ros) for ros in ("ros1", "ros2")]
 from harness import Ros1
 from harness2 import Ros2
 from roslaunch_oracle import RosLoader
+
+
+@pytest.fixture(scope="session", autouse=True)
+def interrupts():
+    """Let processes hear SIGINT, though a shell that runs the tests with `&` has it ignored."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)

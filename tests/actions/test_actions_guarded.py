@@ -86,7 +86,7 @@ def test_the_guard_is_one_node_to_clients_and_to_the_public(two):
 
 def test_goals_wait_for_their_turn_and_are_pending_meanwhile(two):
     _, served, one, other = two
-    one.send(400)
+    one.send(2000)
     served.wait_for("started")
     other.send(1)
     other.wait_for_state(1, "PENDING")
@@ -94,25 +94,25 @@ def test_goals_wait_for_their_turn_and_are_pending_meanwhile(two):
     one.wait_for_state(2, "PENDING")
     assert one.done(2) == {1: "SUCCEEDED", 2: "SUCCEEDED"}
     assert other.done(1) == {1: "SUCCEEDED"}
-    assert [words[1] for words in served.of("started")] == ["400", "1", "2"]
+    assert [words[1] for words in served.of("started")] == ["2000", "1", "2"]
 
 
 def test_under_priority_queue_the_highest_waiting_goal_is_next(ros1, programs):
     _, served, one, other = connect(guarded(ros1, programs, PolicyName.PRIORITY_QUEUE))
-    other.send(400)
+    other.send(2000)
     served.wait_for("started")
     other.send(2, 3)
     other.wait_for_state(3, "PENDING")
     one.send(1)
     assert set(one.done(1).values()) | set(other.done(3).values()) == {"SUCCEEDED"}
-    assert [words[1] for words in served.of("started")] == ["400", "1", "2", "3"]
+    assert [words[1] for words in served.of("started")] == ["2000", "1", "2", "3"]
 
 
 def test_under_preemption_a_higher_goal_ends_a_lower_one(ros1, programs):
     _, served, one, other = connect(guarded(ros1, programs, PolicyName.PREEMPTION))
     other.send(LONG)
     served.wait_for("started")
-    one.send(400)
+    one.send(2000)
     assert other.done(1) == {1: "PREEMPTED"}
     served.wait_for("started", 2)
     other.send(1)
@@ -138,7 +138,7 @@ def test_a_blocked_client_is_told_so(ros1, programs):
 def test_a_full_queue_refuses_and_what_waits_too_long_is_recalled(ros1, programs):
     settings = {"queue_size": 2, "max_age": SECOND // 2}
     _, served, one, other = connect(guarded(ros1, programs, **settings))
-    one.send(1000)
+    one.send(3000)
     served.wait_for("started")
     other.send(1, 2, 3)
     done = other.done(3)

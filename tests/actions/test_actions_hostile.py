@@ -131,7 +131,7 @@ def test_a_flow_that_floods_touches_no_goal_of_others(ros1, programs):
 
 
 def test_a_server_that_never_answers_is_waited_for_no_longer_than_the_plan_says(ros1, programs):
-    plan = action_plan(PolicyName.FIFO_QUEUE, TWO, max_hold=SECOND // 2)
+    plan = action_plan(PolicyName.FIFO_QUEUE, TWO, max_hold=2 * SECOND)
     act = Act(ros1, programs, plan)
     served = act.server(kind="queue")
     one, other = act.client(name="/one"), act.client("cpp", name="/raw", flow="flow2")
@@ -142,23 +142,23 @@ def test_a_server_that_never_answers_is_waited_for_no_longer_than_the_plan_says(
     one.tell("cancel 1")
     other.send(1)
     sent = other.wait_for("sent")[0].time
-    assert served.wait_for("taken", 2)[1].time - sent > SECOND // 4
+    assert served.wait_for("taken", 2)[1].time - sent > SECOND
     assert not one.of("done")
     served.process.kill()
     assert one.done(1) == {1: "ABORTED"}
     assert other.done(1) == {1: "ABORTED"}
 
 
-def with_giant(ros1, programs, count, state):
+def with_giant(ros1, programs, count, state, max_age=SECOND):
     """Return a guarded action whose server tells of so many goals, and a client."""
-    plan = action_plan(PolicyName.FIFO_QUEUE, TWO, max_age=SECOND)
+    plan = action_plan(PolicyName.FIFO_QUEUE, TWO, max_age=max_age)
     act = Act(ros1, programs, plan)
     act.giant_server(count, state)
     return act, act.client("cpp", name="/one")
 
 
 def test_a_server_that_tells_of_thousands_of_goals_that_are_over_serves_others(ros1, programs):
-    _, one = with_giant(ros1, programs, 10_000, SUCCEEDED)
+    _, one = with_giant(ros1, programs, 10_000, SUCCEEDED, 10 * SECOND)
     one.wait_for("connected")
     one.send(1, 2, 3)
     assert set(one.done(3).values()) == {"SUCCEEDED"}

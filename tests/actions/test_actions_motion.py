@@ -150,39 +150,39 @@ def poses(ros1, programs):
 
 
 def test_a_second_goal_without_an_id_waits_until_the_first_is_over(poses):
-    poses.give("giver", 800)
-    assert poses.started(1) == [800]
+    poses.give("giver", 2500)
+    assert poses.started(1) == [2500]
     poses.give("other", 20)
-    assert poses.started(2) == [800, 20]
+    assert poses.started(2) == [2500, 20]
     poses.assert_one_after_the_other(2)
 
 
 def test_a_goal_of_the_action_waits_until_one_without_an_id_is_over(poses):
-    poses.give("giver", 800)
-    assert poses.started(1) == [800]
+    poses.give("giver", 2500)
+    assert poses.started(1) == [2500]
     poses.one.send(20)
     poses.one.wait_for_state(1, "PENDING")
     assert poses.one.done(1) == {1: "SUCCEEDED"}
-    assert poses.started(2) == [800, 20]
+    assert poses.started(2) == [2500, 20]
     poses.assert_one_after_the_other(2)
 
 
 def test_goals_of_both_kinds_that_wait_go_one_after_the_other(poses):
-    poses.give("giver", 800)
-    assert poses.started(1) == [800]
+    poses.give("giver", 2500)
+    assert poses.started(1) == [2500]
     poses.give("other", 300)
     poses.one.send(300)
     assert poses.one.done(1) == {1: "SUCCEEDED"}
-    assert poses.started(3) == [800, 300, 300]
+    assert poses.started(3) == [2500, 300, 300]
     poses.assert_one_after_the_other(3)
 
 
 def test_a_goal_without_an_id_waits_for_a_goal_of_the_action(poses):
-    poses.one.send(800)
-    assert poses.started(1) == [800]
+    poses.one.send(2500)
+    assert poses.started(1) == [2500]
     poses.give("giver", 20)
     assert poses.one.done(1) == {1: "SUCCEEDED"}
-    assert poses.started(2) == [800, 20]
+    assert poses.started(2) == [2500, 20]
     poses.assert_one_after_the_other(2)
 
 

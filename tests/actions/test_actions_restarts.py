@@ -99,7 +99,7 @@ def test_a_goal_that_ends_while_there_is_no_guard_is_answered_all_the_same(ros1,
     served = act.server()
     one = act.client(name="/one")
     one.wait_for("connected")
-    one.send(300)
+    one.send(1500)
     one.wait_for_state(1, "ACTIVE")
     with act.without_guard():
         served.wait_for("done")

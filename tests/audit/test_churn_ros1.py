@@ -127,7 +127,7 @@ def test_nodes_that_answer_badly_are_told_and_delay_nobody(ros1):
         for index, answer in enumerate(BAD.values()):
             uri = stack.enter_context(stranger(answer))
             words = (f"/wheel_{index}", OUT, "geometry_msgs/Twist", uri)
-            ros_call(ros1.uri, "registerSubscriber", *words, timeout=5)
+            ros_call(ros1.uri, "registerSubscriber", *words, timeout=30)
         wait_for(lambda: len(scene.alarms("alarm: unseen")) == len(BAD), what="the alarms")
         with ghost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
             wait_until_found(scene, intruder, "ghost publisher")

@@ -24,7 +24,7 @@ def scene(ros1):
 def verified(ros1, code, *more):
     """Verify; return the document, or what was said where there is none."""
     plan = ros1.folder / "rtron.yaml"
-    words = ("verify", "--live", "--plan", plan, "--timeout", "2", *more)
+    words = ("verify", "--live", "--plan", plan, "--timeout", "20", *more)
     process = ros1.rtron(*words)
     wait_for(lambda: process.ended, what="the end of verify")
     assert process.code == code, process.log

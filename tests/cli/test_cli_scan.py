@@ -109,6 +109,7 @@ def test_a_running_app(rtron, graph_file, monkeypatch):
     assert "the app running at http://robot:11311" in ran.out
     assert "rtron plan --live -o rtron.yaml" in ran.out
     monkeypatch.setenv("ROS_MASTER_URI", "http://other:1")
+    monkeypatch.setenv("ROS_VERSION", "1")
     rtron("plan", "--live")
     assert asked == [("http://robot:11311", 2.0), ("http://other:1", 5.0)]
 

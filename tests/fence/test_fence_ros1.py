@@ -31,6 +31,7 @@ pytestmark = pytest.mark.ros1
 OUT, FLOW1 = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1"
 REFUSED = "refused by rtron master"
 TYPE = "geometry_msgs/Twist"
+LIMIT_S, NOWHERE = 30.0, "http://localhost:1/"
 
 
 @pytest.fixture(scope="session")
@@ -53,7 +54,7 @@ def public(inside):
 
 
 def refused(inside, method, *params):
-    code, message, _ = call(public(inside), method, *params, timeout=15)
+    code, message, _ = call(public(inside), method, *params, timeout=LIMIT_S)
     return code == -1 and REFUSED in message
 
 
@@ -131,15 +132,15 @@ def test_addresses_of_the_guard_and_the_driver_are_not_told(base):
     assert inside.has("/driver", CMD_VEL_GUARD)
     for node in ("/driver", "/driver/", "//driver", "driver", CMD_VEL_GUARD, "/rtron_guard"):
         assert refused(inside, "lookupNode", "/rogue", node)
-    assert ros_call(public(inside), "lookupNode", "/rogue", "/nav", timeout=5)
+    assert ros_call(public(inside), "lookupNode", "/rogue", "/nav", timeout=LIMIT_S)
     found = ros_call(
-        public(inside), "registerPublisher", "/spy", "/clock", "*", "http://localhost:1/", timeout=5
+        public(inside), "registerPublisher", "/spy", "/clock", "*", NOWHERE, timeout=LIMIT_S
     )
     assert found == []
     assert refused(inside, "registerSubscriber", "/spy", OUT, TYPE, "http://localhost:1/")
     assert refused(inside, "registerSubscriber", "/spy", "/rosout", "*", "http://localhost:1/")
     guard = inside.uri_of(CMD_VEL_GUARD)
-    assert ros_call(guard, "getMasterUri", "/spy", timeout=5) == public(inside)
+    assert ros_call(guard, "getMasterUri", "/spy", timeout=LIMIT_S) == public(inside)
 
 
 def test_an_impostor_waits_until_the_node_is_gone(base):
@@ -190,7 +191,7 @@ def test_a_bundle_of_calls_is_no_way_around(base):
         {"methodName": "system.multicall", "params": [[]]},
         {"methodName": "getUri", "params": ["/x"]},
     ]
-    answers = call(public(base.ros1), "system.multicall", bundle, timeout=5)
+    answers = call(public(base.ros1), "system.multicall", bundle, timeout=LIMIT_S)
     assert [answer[0][0] for answer in answers] == [1, -1, -1, -1, 1]
     assert answers[4][0][2] == public(base.ros1) + "/"
     assert_only_the_guard_publishes(base)
@@ -260,7 +261,7 @@ def test_roslaunch_starts_the_guarded_app_unchanged(inside, fenced_driver):
 
 
 def private_pid(inside):
-    return ros_call(inside.uri, "getPid", "/test", timeout=5)
+    return ros_call(inside.uri, "getPid", "/test", timeout=LIMIT_S)
 
 
 def test_the_fence_ends_with_an_error_when_the_master_does(base):
@@ -272,7 +273,7 @@ def test_the_fence_ends_with_an_error_when_the_master_does(base):
     assert "rosmaster has ended" in fence.log
     assert "Traceback" not in fence.log
     with pytest.raises(RTronError):
-        ros_call(public(base.ros1), "getPid", "/test", timeout=5)
+        ros_call(public(base.ros1), "getPid", "/test", timeout=LIMIT_S)
     rogue = base.ros1.node("rogue.py", "/by_hand", "1000", f"{CMD_VEL}:={OUT}")
     wait_for(lambda: rogue.log, what="the rogue's complaint")
     count = len(base.driven.navigation()) + 10
@@ -284,12 +285,12 @@ def test_a_master_that_hangs_is_answered_for_and_works_again(inside):
     pid = private_pid(inside)
     os.kill(pid, signal.SIGSTOP)
     try:
-        said = call(public(inside), "getPid", "/test", timeout=30)
+        said = call(public(inside), "getPid", "/test", timeout=LIMIT_S)
         assert said == [-1, "the master behind the fence does not answer", -1]
         assert refused(inside, "lookupNode", "/test", "/driver")
     finally:
         os.kill(pid, signal.SIGCONT)
-    assert ros_call(public(inside), "getPid", "/test", timeout=30) == pid
+    assert ros_call(public(inside), "getPid", "/test", timeout=LIMIT_S) == pid
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])

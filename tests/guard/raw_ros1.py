@@ -3,6 +3,7 @@
 import socket
 import struct
 import threading
+from contextlib import suppress
 from xmlrpc.server import SimpleXMLRPCServer
 
 from typing_extensions import Self
@@ -12,7 +13,7 @@ from rtron.wire.xmlrpc import ros_call
 
 TWIST = "geometry_msgs/Twist"
 TWIST_MD5 = "9f195f881246fdfa2798d1d3eebca84a"
-LIMIT_S = 10.0
+LIMIT_S = 30.0
 
 
 def twist(number: int) -> bytes:
@@ -68,22 +69,21 @@ class RawPublisher:
         self._slave.register_function(self._request_topic, "requestTopic")
         self._slave.register_function(lambda *_: [1, "", 0], "publisherUpdate")
         self.uri = f"http://localhost:{self._slave.server_address[1]}/"
-        for work in (self._slave.serve_forever, self._accept):
-            threading.Thread(target=work, daemon=True).start()
+        works = (self._slave.serve_forever, self._accept)
+        self._threads = [threading.Thread(target=work, daemon=True) for work in works]
+        for thread in self._threads:
+            thread.start()
         ros_call(master, "registerPublisher", name, topic, TWIST, self.uri, timeout=LIMIT_S)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        ros_call(
-            self._master, "unregisterPublisher", self.name, self.topic, self.uri, timeout=LIMIT_S
-        )
-        self._slave.shutdown()
-        self._slave.server_close()
-        self._listener.close()
-        for connection in self.connections:
-            connection.close()
+        named = (self.name, self.topic, self.uri)
+        try:
+            ros_call(self._master, "unregisterPublisher", *named, timeout=LIMIT_S)
+        finally:
+            self._close()
 
     def send(self, data: bytes) -> None:
         for connection in list(self.connections):
@@ -98,6 +98,21 @@ class RawPublisher:
                 connection, _ = self._listener.accept()
             except OSError:
                 return
-            connection.recv(1 << 16)
-            connection.sendall(encode_header(self._header))
-            self.connections.append(connection)
+            connection.settimeout(LIMIT_S)
+            try:
+                connection.recv(1 << 16)
+                connection.sendall(encode_header(self._header))
+            except OSError:  # the guard has left
+                connection.close()
+            else:
+                self.connections.append(connection)
+
+    def _close(self) -> None:
+        self._slave.shutdown()
+        self._slave.server_close()
+        with suppress(OSError):
+            self._listener.shutdown(socket.SHUT_RDWR)
+        for thread in self._threads:
+            thread.join()
+        for closed in (self._listener, *self.connections):
+            closed.close()

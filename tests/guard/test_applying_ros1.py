@@ -182,7 +182,7 @@ def test_goals_that_wait_move_to_a_priority_queue_and_each_is_answered_once(ros1
     two = act.client("cpp", name="/two", flow="flow2")
     for client in (one, two):
         client.wait_for("connected")
-    two.send(1500, 11)
+    two.send(6000, 11)
     served.wait_for("started")
     two.send(12)
     two.wait_for_state(3, "PENDING")
@@ -192,7 +192,7 @@ def test_goals_that_wait_move_to_a_priority_queue_and_each_is_answered_once(ros1
     assert set(two.done(3).values()) == {"SUCCEEDED"}
     assert set(one.done(2).values()) == {"SUCCEEDED"}
     order = [int(number) for _, number in served.of("started")]
-    assert order == [1500, 21, 22, 11, 12]
+    assert order == [6000, 21, 22, 11, 12]
     assert set(one.results().values()) | set(two.results().values()) == {1}
     assert set(served.executed().values()) == {1}
 
@@ -204,7 +204,7 @@ def test_goals_that_wait_are_recalled_where_the_new_policy_holds_none(ros1, prog
     served = act.server("py")
     one = act.client("cpp", name="/one", flow="flow1")
     one.wait_for("connected")
-    one.send(1000, 1, 2)
+    one.send(5000, 1, 2)
     served.wait_for("started")
     one.wait_for_state(3, "PENDING")
     guard.put({"grcn_act": {"policy": PolicyName.BLOCK}})

@@ -5,6 +5,7 @@ from itertools import pairwise
 import pytest
 from drive import Driven, compile_driver, start_guard
 from harness import wait_for
+from light import MSRCN_NODE, RED, Light
 from said import IMAGE, TWIST, Heard, say
 
 from rtron.vocabulary import (
@@ -27,7 +28,8 @@ from rtron.vocabulary import (
 pytestmark = pytest.mark.ros1
 DRIVEN = ("/cmd_vel:=/rtron/cmd_vel/out",)
 SPEED = 0.8
-STOP = Stop(decel=1.0, period=SECOND // 20)
+STOP = Stop(decel=0.25, period=SECOND // 20)
+"""So slow that a busy machine which leaves out some messages makes no step of the ramp."""
 MOVING = GuardedTopic(
     topic="/cmd_vel",
     type="geometry_msgs/Twist",
@@ -184,36 +186,32 @@ def test_a_dead_event_node_stops_the_robot(ros1, driven, event, yaml):
     wait_for_speed(driven, 0.0, "rest")
     assert_ramped_to_rest(speeds(driven))
     rest = len(speeds(driven))
-    sent = ros1.received("/rtron/msrcn", "/rtron/cmd_vel/flow1")
-    wait_for(
-        lambda: ros1.received("/rtron/msrcn", "/rtron/cmd_vel/flow1") > sent + 20,
-        what="navigation, which goes on",
-    )
+    wait_for_navigation_to_go_on(ros1)
     assert set(speeds(driven)[rest:]) <= {0.0}
     assert "rule careful: charge first (not known: low)" in told(ros1)
 
 
+def wait_for_navigation_to_go_on(ros1):
+    def heard():
+        return ros1.received(MSRCN_NODE, "/rtron/cmd_vel/flow1")
+
+    before = heard()
+    wait_for(lambda: heard() > before + 20, what="navigation, which goes on")
+
+
 def test_an_event_stops_the_robot_and_its_end_lets_it_go_on(ros1, driven):
-    event = EventFlow(
-        name="red",
-        topic="/light",
-        publisher="/light",
-        type="std_msgs/String",
-        when="event.data == 'red'",
-    )
     rule = Rule(name="light", when="red", block=("/cmd_vel",))
-    start_guard(ros1, missioned((MOVING,), (event,), (rule,)), "/rtron/msrcn")
-    green = say(ros1, "light", "/light", "std_msgs/String", "green")
+    start_guard(ros1, missioned((MOVING,), (RED,), (rule,)), MSRCN_NODE)
+    light = Light(ros1, "green")
     navigate(ros1)
     wait_for_speed(driven, SPEED, "navigation")
-    green.stop()
-    wait_for(lambda: not ros1.publishers("/light"), what="the end of green")
-    red = say(ros1, "light", "/light", "std_msgs/String", "red")
+    light.turn("red")
     wait_for_speed(driven, 0.0, "rest")
     assert_ramped_to_rest(speeds(driven))
-    red.stop()
-    wait_for(lambda: not ros1.publishers("/light"), what="the end of red")
-    say(ros1, "light", "/light", "std_msgs/String", "green")
+    rest = len(speeds(driven))
+    wait_for_navigation_to_go_on(ros1)
+    assert set(speeds(driven)[rest:]) <= {0.0}
+    light.turn("green")
     wait_for_speed(driven, SPEED, "navigation again")
 
 

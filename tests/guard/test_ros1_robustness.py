@@ -6,7 +6,7 @@ import struct
 
 import pytest
 from harness import wait_for
-from raw_ros1 import RawPublisher, RawSubscriber, tcpros_port, twist
+from raw_ros1 import LIMIT_S, RawPublisher, RawSubscriber, tcpros_port, twist
 
 from rtron.errors import RTronError
 from rtron.wire.tcpros import encode_header
@@ -50,7 +50,7 @@ class Guarded:
     """A guard process of the test, on the test's master."""
 
     def __init__(self, ros1):
-        self._ros1 = ros1
+        self.master = ros1.uri
         plan = ros1.folder / "rtron.yaml"
         plan.write_text(PLAN)
         self.process = ros1.rtron("guard", "--plan", plan)
@@ -59,7 +59,7 @@ class Guarded:
 
     @property
     def pid(self):
-        return ros_call(self.uri, "getPid", "/test", timeout=5)
+        return ros_call(self.uri, "getPid", "/test", timeout=LIMIT_S)
 
     @property
     def is_the_same(self):
@@ -68,11 +68,11 @@ class Guarded:
 
     @property
     def uri(self):
-        return ros_call(self._ros1.uri, "lookupNode", "/test", NODE, timeout=3)
+        return ros_call(self.master, "lookupNode", "/test", NODE, timeout=LIMIT_S)
 
     def published(self):
         try:
-            state = ros_call(self._ros1.uri, "getSystemState", "/test", timeout=3)
+            state = ros_call(self.master, "getSystemState", "/test", timeout=LIMIT_S)
         except RTronError:
             return []
         return [topic for topic, nodes in state[0] if NODE in nodes and topic == OUT]
@@ -83,7 +83,7 @@ class Guarded:
         return subscriber
 
     def nav(self, **header):
-        return RawPublisher(self._ros1.uri, "/nav", NAV, **header)
+        return RawPublisher(self.master, "/nav", NAV, **header)
 
 
 @pytest.fixture
@@ -114,12 +114,12 @@ def test_a_hostile_slave_call_is_answered_or_closed_and_harms_nobody(guard):
         b"\xff\r\n\r\n" * 99,
         b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n<a>&bomb;",
     ):
-        with socket.create_connection(("localhost", port), 5) as hostile:
+        with socket.create_connection(("localhost", port), LIMIT_S) as hostile:
             hostile.sendall(data)
             assert hostile.recv(100) == b""
     for method, arguments in (("noSuch", ()), ("requestTopic", (1,)), ("getBusInfo", ())):
         with pytest.raises(RTronError):
-            ros_call(guard.uri, method, *arguments, timeout=5)
+            ros_call(guard.uri, method, *arguments, timeout=LIMIT_S)
     assert guard.is_the_same
 
 
@@ -135,7 +135,7 @@ def test_a_hostile_slave_call_is_answered_or_closed_and_harms_nobody(guard):
     ],
 )
 def test_a_publisher_that_lies_is_not_let_through(guard, header, data):
-    liar = RawPublisher(guard._ros1.uri, "/liar", NAV, **header)
+    liar = RawPublisher(guard.master, "/liar", NAV, **header)
     with guard.subscribe() as driver, liar:
         wait_for(lambda: liar.connections, what="the guard's connection")
         liar.connections[-1].sendall(data)
@@ -197,14 +197,14 @@ def test_a_restarted_master_learns_of_the_guard_again(ros1, guard):
 def test_the_guard_takes_back_its_registrations(ros1, guard, number):
     guard.process.tell(number)
     wait_for(lambda: guard.process.ended, what="the guard's end")
-    state = ros_call(ros1.uri, "getSystemState", "/test", timeout=3)
+    state = ros_call(ros1.uri, "getSystemState", "/test", timeout=LIMIT_S)
     assert [node for kind in state for _, nodes in kind for node in nodes] == []
     assert "Traceback" not in guard.process.log
 
 
 def test_the_type_is_the_drivers_not_the_first_publishers(guard):
-    liar = RawPublisher(guard._ros1.uri, "/teleop", FLOW2, md5sum="0" * 32)
-    with guard.subscribe() as driver, liar:
+    wrong = {"md5sum": "0" * 32}
+    with guard.subscribe() as driver, RawPublisher(guard.master, "/teleop", FLOW2, **wrong) as liar:
         wait_for(lambda: liar.connections, what="the guard's connection")
         liar.connections[-1].sendall(twist(666))
         with guard.nav() as nav:
@@ -212,7 +212,7 @@ def test_the_type_is_the_drivers_not_the_first_publishers(guard):
 
 
 def test_a_publisher_with_a_host_that_is_none_is_tried_again(guard):
-    liar = RawPublisher(guard._ros1.uri, "/nav", NAV)
+    liar = RawPublisher(guard.master, "/nav", NAV)
     liar._slave.register_function(
         lambda *_: [1, "", ["TCPROS", f"{'x' * 70}.example", 1]], "requestTopic"
     )

@@ -103,12 +103,12 @@ def relaying(made):
 
     thread = threading.Thread(target=asyncio.run, args=[run()])
     thread.start()
-    assert started.wait(10)
+    assert started.wait(60)
     relay, loop, ended = found
     try:
         yield relay
     finally:
         with contextlib.suppress(RuntimeError):
             loop.call_soon_threadsafe(ended.set)
-        thread.join(10)
+        thread.join(60)
         assert not thread.is_alive()

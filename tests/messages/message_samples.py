@@ -11,7 +11,7 @@ from rtron.messages import Encoding
 from rtron.vocabulary import Area, Point
 
 ROS1 = get_typestore(Stores.ROS1_NOETIC)
-ROS2 = get_typestore(Stores.ROS2_HUMBLE)
+ROS2 = get_typestore(Stores.ROS2_JAZZY)
 ENCODINGS = (Encoding.ROS1, Encoding.CDR)
 DOUBLES = [0.0, -0.0, 1.0, -1.0, 5e-324, -2.2e-308, 1.8e308, float("inf"), float("-inf")]
 INTEGERS = {
@@ -76,6 +76,8 @@ def square(name="zone", frame="map", side=4.0):
 class Generator:
     """Makes messages of any type of a store, from a seed, with values dense at the bounds."""
 
+    strings = ("", "a", "map", "ä€😀", "x" * 200, "a\0b")
+
     def __init__(self, encoding, seed):
         self._store = store(encoding)
         self._random = random.Random(seed)
@@ -94,7 +96,9 @@ class Generator:
         if kind == Nodetype.NAME:
             return self._named(detail)
         inner, length = detail
-        count = length if kind == Nodetype.ARRAY else self._random.choice([0, 1, 2, 5])
+        count = length
+        if kind == Nodetype.SEQUENCE:
+            count = min(self._random.choice([0, 1, 2, 5]), length or 5)
         pairs = [self._field(inner) for _ in range(count)]
         values, worth = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
         if inner[0] == Nodetype.BASE and inner[1][0] != "string":
@@ -117,7 +121,7 @@ class Generator:
         if base == "bool":
             return (value := pick([False, True])), value
         if base == "string":
-            return (value := pick(["", "a", "map", "ä€😀", "x" * 200, "a\0b"])), value
+            return (value := pick(self.strings)), value
         if base.startswith("float"):
             value = pick(DOUBLES) if base == "float64" else pick([0.0, -0.0, 1.5, float("inf")])
             return value, value

@@ -308,10 +308,10 @@ NESTED = "event.ranges.all(a, event.ranges.all(b, event.ranges.all(c, event.rang
 def test_loops_are_bounded():
     body = struct.pack("<I", 1000) + bytes(4000)
     message = struct.pack("<I", len(body)) + body
-    started = time.perf_counter()
+    started = time.process_time()
     found = judge(NESTED, message, parse_definition("a/B", "float32[] ranges"))
     assert "budget" in found
-    assert time.perf_counter() - started < 5
+    assert time.process_time() - started < 5
 
 
 TRICKY = [
@@ -358,9 +358,9 @@ def test_regular_expressions_take_linear_time():
     text = "a" * 1_000_000
     message = struct.pack("<II", len(text) + 4, len(text)) + text.encode()
     definition = KNOWN[Encoding.ROS1].find("std_msgs/String")
-    started = time.perf_counter()
+    started = time.process_time()
     assert judge("event.data.matches('^(a+)+b$')", message, definition) is False
-    assert time.perf_counter() - started < 5
+    assert time.process_time() - started < 5
 
 
 @settings(max_examples=300)

@@ -101,8 +101,8 @@ bool b
     found = parse_definition("a_msgs/Thing", text)
     assert found.fields == (
         Field(name="x", type="float64"),
-        Field(name="name", type="string"),
-        Field(name="few", type="int32", array=True),
+        Field(name="name", type="string", longest=10),
+        Field(name="few", type="int32", array=True, most=5),
         Field(name="id", type="uint8", array=True, length=16),
         Field(name="many", type="float32", array=True),
         Field(name="at", type="time"),
@@ -113,6 +113,20 @@ bool b
     )
     assert found.nested["std_msgs/Header"].find("stamp") == Field(name="stamp", type="time")
     assert found.find("nothing") is None
+
+
+def test_bounds_make_another_type():
+    """ROS 1 has no bounds, so its sums stay what they are."""
+    texts = ["string[] x", "string<=3[] x", "string[<=3] x", "string<=3[<=3] x", "string[3] x"]
+    sums = {parse_definition("a/B", text).md5sum for text in texts}
+    assert len(sums) == len(texts)
+    inner = "\n===\nMSG: a/C\nbool y"
+    assert parse_definition("a/B", f"C[] x{inner}") != parse_definition("a/B", f"C[<=3] x{inner}")
+
+
+def test_a_bound_that_bounds_nothing():
+    found = parse_definition("a/B", f"string<={'9' * 5000} x\nint8[<={'9' * 11}] y")
+    assert [(each.longest, each.most) for each in found.fields] == [(None, None)] * 2
 
 
 def test_constants_count_as_spelled():
@@ -139,6 +153,7 @@ def test_a_string_constant_keeps_what_looks_like_a_comment():
         ("__import__('os') x", "line 1: neither"),
         ("a/b/c/d x", "line 1: neither"),
         ("wstring x", "line 1: wstring is no type"),
+        ("int8<=3 x", "line 1: int8 of x is no string"),
         ("a/srv/B x", "line 1: a/srv/B is no type"),
         ("float64 x\nint8 x", "line 2: there are two fields x"),
         ("Nowhere x", "line 1: the type a/Nowhere of x is not defined"),
@@ -267,3 +282,19 @@ def test_fuzz_definition(text):
         return
     assert found.type == "a/B"
     assert len(found.md5sum) == 32
+
+
+@pytest.mark.parametrize(
+    ("distro", "ros", "has_variance"),
+    [
+        ("humble", 2, False),
+        ("jazzy", 2, True),
+        ("", 2, True),
+        ("noetic", 2, True),
+        ("humble", 1, False),
+    ],
+)
+def test_the_standard_is_that_of_the_sourced_distribution(monkeypatch, distro, ros, has_variance):
+    monkeypatch.setenv("ROS_DISTRO", distro)
+    found = Definitions(ros=ros).find("sensor_msgs/Range")
+    assert (found.find("variance") is not None) is has_variance

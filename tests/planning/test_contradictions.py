@@ -186,14 +186,14 @@ def test_rules_on_other_aflows_are_tried_apart():
 
 def test_very_many_rules_are_tried_in_bounded_time():
     rules = [f"when: {' && '.join('abcdefghijkl')}, block: [G, v1], require: S"] * 200
-    began = time.monotonic()
+    began = time.process_time()
     assert len(doubts(*rules)) == 1
     several = [
         f"when: '{'abcdefghijkl'[n % 12]}', block: [{'GS'[n % 2]}], require: {'SG'[n % 2]}"
         for n in range(200)
     ]
     assert len(doubts(*several)) == 200
-    assert time.monotonic() - began < 20
+    assert time.process_time() - began < 20
 
 
 # The same again, the slow and plain way: each combination of bits is looked at by itself.

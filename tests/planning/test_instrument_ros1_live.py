@@ -74,6 +74,7 @@ def running(command, environ, log):
             process.wait(timeout=LIMIT)
         finally:
             process.kill()
+            process.wait()
 
 
 @pytest.fixture

@@ -379,17 +379,6 @@ class TestNamesWithHoles:
         assert (grcn.mode, len(grcn.flows)) == (Mode.OBSERVE, 2)
         assert [problem.where for problem in left_out(graph, discover(graph))] == ["/{ns}/c"]
 
-    def test_an_action_of_ros_2_has_no_topic_for_its_goals(self):
-        side = {"name": "/arm", "type": "control_msgs/action/FollowJointTrajectory"}
-        client = Action(node="/a", role=ActionRole.CLIENT, **side)
-        graph = graph_of("app", shared("/x", "p/T"), ros=2)
-        graph = replace(graph, actions=(client,))
-        plan = plan_of(graph)
-        assert plan.ros == 2
-        assert plan.msrcn.aflows == ()
-        (problem,) = left_out(graph, discover(graph))
-        assert str(problem) == "warning: /arm: cannot be guarded: its goals are no topic"
-
     def test_names_that_differ_in_slashes_only_have_ids_of_their_own(self):
         text = shared("/a/cmd_vel", "geometry_msgs/Twist") + shared(
             "/a_cmd_vel", "geometry_msgs/Twist"
@@ -402,3 +391,61 @@ def test_a_report_without_classes_makes_a_plan_that_only_watches():
     report = discover(HOME)
     bare = RiskReport(app="", risks=report.risks, coordination_nodes=report.coordination_nodes)
     assert {grcn.mode for grcn in propose_plan(HOME, bare).grcn} == {Mode.OBSERVE}
+
+
+class TestRos2Actions:
+    TYPE = "nav2_msgs/action/NavigateToPose"
+
+    def graph(self, *clients, servers=("/server",), type=TYPE):
+        sides = [(node, ActionRole.CLIENT) for node in clients]
+        sides += [(node, ActionRole.SERVER) for node in servers]
+        actions = tuple(Action(node=node, name="/go", type=type, role=role) for node, role in sides)
+        graph = graph_of("app", shared("/x", "p/T"), ros=2)
+        return replace(graph, actions=actions)
+
+    def test_clients_and_a_server_get_a_grcn_on_the_action_itself(self):
+        graph = self.graph("/one", "/two")
+        grcn = grcn_of(plan_of(graph), "/go")
+        assert (grcn.type, grcn.mode, grcn.policy) == (
+            self.TYPE,
+            Mode.ENFORCE,
+            PolicyName.PRIORITY_QUEUE,
+        )
+        assert {flow.publisher for flow in grcn.flows} == {"/one", "/two"}
+        assert {flow.timeout for flow in grcn.flows} == {None}
+        assert (grcn.successors, grcn.max_age, grcn.done) == (("/server",), 60 * SECOND, None)
+        assert left_out(graph, discover(graph)) == ()
+
+    def test_the_msrcn_can_block_it(self):
+        (topic,) = plan_of(self.graph("/one", "/two")).msrcn.aflows
+        assert (topic.topic, topic.type, topic.successors) == ("/go", self.TYPE, ("/server",))
+
+    def test_what_a_server_asks_of_itself_is_no_flow(self):
+        grcn = grcn_of(plan_of(self.graph("/one", "/two", "/server")), "/go")
+        assert {flow.publisher for flow in grcn.flows} == {"/one", "/two"}
+
+    def test_without_a_server_there_is_nothing_to_guard(self):
+        plan = plan_of(self.graph("/one", servers=()))
+        assert plan.msrcn.aflows == ()
+
+    def test_without_its_type_it_cannot_be_guarded(self):
+        graph = self.graph("/one", "/two", type="")
+        assert not [each for each in plan_of(graph).grcn if each.topic == "/go"]
+        (problem,) = left_out(graph, discover(graph))
+        assert str(problem) == (
+            "warning: /go: cannot be guarded: the type of the action is not known"
+        )
+
+    def test_the_plan_fits_the_graph_that_it_is_made_for(self):
+        graph = self.graph("/one", "/two", "/server")
+        assert check_plan(plan_of(graph), graph) == ()
+
+    def test_an_action_needs_its_type(self):
+        graph = self.graph("/one", "/two")
+        plan = plan_of(graph)
+        bare = replace(plan, grcn=tuple(replace(g, type="") for g in plan.grcn), msrcn=None)
+        told = [str(problem) for problem in check_plan(bare, graph)]
+        assert (
+            "error: GRCN grcn_go: /go is an action, not a topic: say its type, pkg/action/Name"
+            in told
+        )

@@ -328,6 +328,13 @@ class TestAction:
         assert found(text, "msr_action", ros=2, actions=more)[0].role_nodes == {
             Role.ACTION: ("/b", "/c")
         }
+        assert not found(text, "gr_st", ros=2, actions=sides)
+        (shared,) = found(text, "gr_st", ros=2, actions=more)
+        assert (shared.id, shared.topics, shared.successors) == ("GR-ST:/arm", ("/arm",), ("/s",))
+        assert shared.role_nodes == {Role.PUBLISHER: ("/b", "/c")}
+        own = (*sides, replace(sides[0], node="/s"))
+        assert not found(text, "gr_st", ros=2, actions=own)
+        assert not found(text, "gr_st", ros=1, actions=more)
         assert not found(text, "msr_action", ros=2, actions=sides[1:])
         assert not found(text, "msr_action", ros=1, actions=sides)
 

@@ -1,6 +1,6 @@
 """Discovery takes time in proportion to the endpoints, also where everything meets in one topic."""
 
-from time import perf_counter
+from time import process_time
 
 import pytest
 from autorace import AUTORACE
@@ -15,9 +15,9 @@ TF = "tf2_msgs/TFMessage"
 
 def seconds(graph: InteractionGraph) -> float:
     def once() -> float:
-        start = perf_counter()
+        start = process_time()
         discover(InteractionGraph(app=graph.app, nodes=graph.nodes, endpoints=graph.endpoints))
-        return perf_counter() - start
+        return process_time() - start
 
     return min(once() for _ in range(5))
 

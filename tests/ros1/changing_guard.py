@@ -35,6 +35,7 @@ class ChangingGuard:
         path.write_text(write_plan(plan))
         words = (sys.executable, __file__, path, ros1.uri, self._door)
         self._process = ros1.spawn(*words, PYTHONPATH=str(HERE))
+        self._process.hurry()
         nodes = {f"/rtron/{stage.id}" for stream in streams(plan) for stage in stream.stages}
         ros1.wait_for_nodes(*nodes)
 
@@ -48,7 +49,7 @@ class ChangingGuard:
 
     def _ask(self, said):
         with socket.socket(socket.AF_UNIX) as door:
-            door.settimeout(20)
+            door.settimeout(60)
             door.connect(str(self._door))
             door.sendall(json.dumps({"said": said}).encode() + b"\n")
             door.shutdown(socket.SHUT_WR)

@@ -9,7 +9,9 @@ from plans import grcn, plan_of
 from rtron.planning.write import write_plan
 from rtron.vocabulary import SECOND, Domain, Flow, PolicyName, StreamKind
 
-TURN_RIGHT = "-0.2"
+TURN_RIGHT, TURN_LEFT = "-0.2", "0.5"
+PATIENCE = 3 * SECOND
+"""How long a flow keeps the driver without a word: a busy machine is not a silent node."""
 CMD_VEL = "/cmd_vel"
 CMD_VEL_GUARD = "/rtron/grcn_cmd_vel"
 MAP_GUARD = "/rtron/grcn_map"
@@ -29,10 +31,10 @@ def compile_driver(folder):
 def drive_plan():
     """Return the plan: navigation goes before the rogue, on the way to the driver."""
     flows = (
-        Flow(name="flow1", publisher="/nav", priority=2, silent_after=SECOND),
-        Flow(name="flow2", publisher="/rogue", priority=1, silent_after=SECOND),
+        Flow(name="flow1", publisher="/nav", priority=2, silent_after=PATIENCE),
+        Flow(name="flow2", publisher="/rogue", priority=1, silent_after=PATIENCE),
     )
-    return plan_of(grcn(CMD_VEL, (), ["/driver"], flows=flows, release_after=SECOND), app="base")
+    return plan_of(grcn(CMD_VEL, (), ["/driver"], flows=flows, release_after=PATIENCE), app="base")
 
 
 def map_plan():
@@ -62,7 +64,7 @@ class Driven:
 
     def navigation(self):
         """Return the counts that navigation sent, in order of arrival."""
-        return [int(float(x)) for x, turn in self.messages() if turn != TURN_RIGHT]
+        return [int(float(x)) for x, turn in self.messages() if turn == TURN_LEFT]
 
     def turns(self):
         """Return how many messages of the attackers arrived."""
@@ -70,7 +72,7 @@ class Driven:
 
     def turns_after_navigation_began(self):
         messages = self.messages()
-        began = next((n for n, (_, turn) in enumerate(messages) if turn != TURN_RIGHT), 0)
+        began = next((n for n, (_, turn) in enumerate(messages) if turn == TURN_LEFT), 0)
         return sum(turn == TURN_RIGHT for _, turn in messages[began:])
 
 

@@ -46,9 +46,10 @@ class Light:
         if self._process:
             self._process.stop()
             wait_for(lambda: not self._ros1.publishers(LIGHT), what="the light's end")
-        heard = self._heard()
+            wait_for(lambda: not self._heard(), what="the light's end at the guard")
         self._process = say(self._ros1, "light", LIGHT, RED.type, color)
-        wait_for(lambda: self._heard() > heard, what=f"{color} at the guard")
+        wait_for(self._heard, what=f"{color} at the guard")
 
     def _heard(self):
+        """Return how much the guard has heard of the light that is connected now."""
         return self._ros1.received(MSRCN_NODE, LIGHT)

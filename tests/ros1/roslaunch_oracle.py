@@ -26,8 +26,9 @@ class RosLoader:
 
     def __exit__(self, *_):
         self._process.stdin.close()
-        self._process.wait(timeout=10)
         self._process.stdout.close()
+        self._process.kill()
+        self._process.wait()
 
     def load(self, path, args=None, environ=None):
         return self.ask({"path": str(path), "args": args or {}, "environ": environ or {}})

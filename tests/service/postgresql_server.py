@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import socket
 import subprocess
 from contextlib import closing
 from itertools import count
@@ -10,9 +9,10 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 import pg8000.dbapi
+from harness import free_port
 
 _PROGRAMS = Path("/usr/lib/postgresql")
-_STOP_S = 20
+_START_S = _STOP_S = 60
 _QUIET = {"fsync": "off", "listen_addresses": "127.0.0.1", "max_connections": "50"}
 
 
@@ -28,7 +28,7 @@ class PostgreSQL:
     def __init__(self):
         self._folder = Path(mkdtemp(prefix="rtron-pg-"))
         self._numbers = count()
-        self._port = _free_port()
+        self._port = free_port()
         self._user = "postgres" if os.geteuid() == 0 else None
         if self._user:
             shutil.chown(self._folder, self._user)
@@ -37,12 +37,12 @@ class PostgreSQL:
         )
         options = [f"-c {name}={value}" for name, value in _QUIET.items()]
         options += [f"-c unix_socket_directories={self._folder}", f"-p {self._port}"]
-        self._run("pg_ctl", "start", "-w", "-D", "data", "-l", "log", "-o", " ".join(options))
+        self._pg_ctl("start", _START_S, "-l", "log", "-o", " ".join(options))
 
     def stop(self):
         """End the server and remove its folder."""
         try:
-            self._run("pg_ctl", "stop", "-w", "-m", "immediate", "-t", str(_STOP_S), "-D", "data")
+            self._pg_ctl("stop", _STOP_S, "-m", "immediate")
         finally:
             shutil.rmtree(self._folder)
 
@@ -65,6 +65,9 @@ class PostgreSQL:
     def _connection(self):
         return pg8000.dbapi.connect("postgres", "127.0.0.1", "postgres", self._port)
 
+    def _pg_ctl(self, what, limit_s, *args):
+        self._run("pg_ctl", what, "-w", "-t", str(limit_s), "-D", "data", *args)
+
     def _run(self, program, *args):
         environ = {"PATH": os.environ["PATH"], "LC_ALL": "C.UTF-8"}
         command = [str(programs() / program), *args]
@@ -83,9 +86,3 @@ class PostgreSQL:
         out.close()
         if done.returncode:
             raise RuntimeError(f"{program}: {(self._folder / 'output').read_text()[-2000:]}")
-
-
-def _free_port():
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return free.getsockname()[1]

@@ -22,6 +22,7 @@ from rtron.vocabulary import (
     Evidence,
     FunctionType,
     InteractionGraph,
+    Liveliness,
     Node,
     QoS,
     Reliability,
@@ -39,6 +40,10 @@ qos = st.builds(
     reliability=st.sampled_from(Reliability),
     durability=st.sampled_from(Durability),
     depth=st.integers(0, 2**31),
+    deadline=st.integers(0, 2**62),
+    lifespan=st.integers(0, 2**62),
+    liveliness=st.sampled_from(Liveliness),
+    lease=st.integers(0, 2**62),
 )
 NODES = ("/a", "/b\x1b[31m", '/"c"', "")
 TOPICS = ("/cmd_vel", "/scan\n", "{prefix}/scan")
@@ -70,6 +75,7 @@ endpoints = st.builds(
     implicit=st.booleans(),
     resolution=st.sampled_from(Resolution),
     qos=st.none() | qos,
+    gid=words,
     evidence=evidence,
 )
 graphs = st.builds(
@@ -79,9 +85,15 @@ graphs = st.builds(
     nodes=nodes,
     topics=topics,
     endpoints=st.lists(endpoints).map(tuple),
-    services=st.lists(st.builds(Service, node=st.sampled_from(NODES), name=words, type=words)).map(
-        tuple
-    ),
+    services=st.lists(
+        st.builds(
+            Service,
+            node=st.sampled_from(NODES),
+            name=words,
+            type=words,
+            implicit=st.booleans(),
+        )
+    ).map(tuple),
     actions=st.lists(
         st.builds(
             Action,
@@ -169,6 +181,27 @@ def test_keys_are_those_of_the_contract():
         "actions": [{"node": "/a", "name": "/go", "type": "", "role": "server"}],
         "unresolved": [{"what": "x", "why": "y", "evidence": []}],
     }
+
+
+def test_what_only_ros_2_has_is_written_where_it_is_known():
+    known = Endpoint(
+        node="/a", topic="/t", direction=Direction.PUBLISH, qos=QoS(depth=5, lease=7), gid="01ff"
+    )
+    services = (Service(node="/a", name="/s", implicit=True),)
+    graph = InteractionGraph(app="app", ros=2, endpoints=(known,), services=services)
+    json = graph_to_json(graph)
+    (written,) = json["endpoints"]
+    assert written["gid"] == "01ff"
+    assert written["qos"] == {
+        "reliability": "reliable",
+        "durability": "volatile",
+        "depth": 5,
+        "deadline": 0,
+        "lifespan": 0,
+        "liveliness": "automatic",
+        "lease": 7,
+    }
+    assert json["services"] == [{"node": "/a", "name": "/s", "type": "", "implicit": True}]
 
 
 def test_everything_but_the_schema_is_optional(written):

@@ -14,6 +14,7 @@ from rtron.vocabulary import (
     StreamKind,
     action_of,
     part_topic,
+    planned_services,
     planned_topics,
     stage_nodes,
     streams,
@@ -117,6 +118,11 @@ def test_names_may_be_patterns():
         ("/a/goals", "p/XActionGoal", ""),
         ("/a/result", "p/XActionResult", ""),
         ("/a/goal", "", ""),
+        ("/a", "p/action/X", "/a"),
+        ("/a/goal", "p/action/X", "/a/goal"),
+        ("/a", "p/action/X_SendGoal", ""),
+        ("/a", "p/action/X/action/Y", ""),
+        ("/a", "/action/X", ""),
     ],
 )
 def test_an_action_is_known_by_its_goals(topic, type, action):
@@ -127,3 +133,22 @@ def test_an_action_is_known_by_its_goals(topic, type, action):
 
 def test_the_topics_of_an_action_lie_below_it():
     assert part_topic("/a", "cancel") == "/a/cancel"
+
+
+def test_an_action_of_ros_2_has_two_topics_and_three_services_under_each_name():
+    made = grcn("/act", ["/one", "/two"], ["/server"], **(GOAL | {"type": "p/action/Go"}))
+    found, node = planned(made), "/rtron/grcn_act"
+    plan = plan_of(made, ros=2)
+    served = {each.service: (each.servers, each.clients) for each in planned_services(plan)}
+    for end in ("status", "feedback"):
+        assert found.pop(f"/rtron/act/flow1/_action/{end}") == ((node,), ("/one",))
+        assert found.pop(f"/rtron/act/flow2/_action/{end}") == ((node,), ("/two",))
+        assert found.pop(f"/rtron/act/out/_action/{end}") == (("/server",), (node,))
+        assert found.pop(f"/act/_action/{end}") == ((node,), ("*",))
+    for end in ("send_goal", "cancel_goal", "get_result"):
+        assert served.pop(f"/rtron/act/flow1/_action/{end}") == ((node,), ("/one",))
+        assert served.pop(f"/rtron/act/flow2/_action/{end}") == ((node,), ("/two",))
+        assert served.pop(f"/rtron/act/out/_action/{end}") == (("/server",), (node,))
+        assert served.pop(f"/act/_action/{end}") == ((node,), ("*",))
+    assert found == served == {}
+    assert {each.guarded for each in planned_services(plan)} == {"/act"}

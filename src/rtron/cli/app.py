@@ -6,6 +6,7 @@ from pathlib import Path
 from shlex import quote
 
 from rtron.cli.assignments import ASSIGNED
+from rtron.cli.running import RunningApp
 from rtron.cli.static_app import StaticChoice, StaticSource, static_source
 from rtron.errors import InputError
 from rtron.sources.bounded import STDIN
@@ -26,14 +27,10 @@ class App:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chosen:
-    """What a command line says about the app: its words, and a master's URI for a running one.
-
-    `timeout` is in seconds.
-    """
+    """What a command line says about the app: its words, and where it runs if that is wanted."""
 
     inputs: Sequence[str]
-    master: str | None
-    timeout: float
+    running: RunningApp | None
     static: StaticChoice
 
     @property
@@ -70,11 +67,12 @@ class Chosen:
 def chosen_app(chosen: Chosen) -> App:
     """Return the app that is chosen; raise InputError if it is none or more than one."""
     paths = chosen.paths
-    if paths and chosen.master:
+    if paths and chosen.running:
         help = "leave one of the two out"
         raise InputError(f"both {paths[0]} and --live are given", help=help)
-    if chosen.master:
-        return _running(chosen.master, chosen.timeout)
+    if chosen.running:
+        source, said = chosen.running.found()
+        return App(source, said, chosen.running.arguments)
     if chosen.bag:
         return _recorded(chosen.bag, chosen.static.launches)
     if chosen.folders:
@@ -129,10 +127,3 @@ def _recorded(bag: Path, launches: Sequence[str]) -> App:
     from rtron.sources.bag.graph import Bag  # noqa: PLC0415 - a graph needs no reader of bags
 
     return App(Bag(bag), str(bag), quote(str(bag)))
-
-
-def _running(master: str, timeout: float) -> App:
-    from rtron.guard.fence.place import private_master  # noqa: PLC0415 - a file needs no ROS
-    from rtron.sources.ros1_live import Ros1Live  # noqa: PLC0415
-
-    return App(Ros1Live(private_master(master), timeout), f"the app running at {master}", "--live")

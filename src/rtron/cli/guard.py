@@ -9,11 +9,10 @@ import typer
 from rtron.cli.assignments import assignments
 from rtron.cli.figures import Keeper
 from rtron.cli.linking import Authority, Robot, ServiceUrl, State, TokenFile, link_options
-from rtron.cli.options import DEFAULT_MASTER, Master, PlanOption
+from rtron.cli.options import DEFAULT_MASTER, Domain, Master, PlanOption
 from rtron.errors import InputError
 from rtron.planning.read import read_plan
-
-MOST_DOMAINS = 232
+from rtron.wire.domain import domain_id
 
 
 class LogLevel(str, Enum):
@@ -33,16 +32,7 @@ def guard(  # noqa: PLR0913 - one for each option
     *,
     plan: PlanOption,
     master: Master = DEFAULT_MASTER,
-    domain: Annotated[
-        int,
-        typer.Option(
-            min=0,
-            max=MOST_DOMAINS,
-            envvar="ROS_DOMAIN_ID",
-            metavar="N",
-            help="The ROS 2 domain of the app.",
-        ),
-    ] = 0,
+    domain: Domain = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Let everything pass; report what would be done.")
     ] = False,
@@ -100,7 +90,7 @@ def guard(  # noqa: PLR0913 - one for each option
     linked = link_options(read.app, service, token_file, robot, state, ca) if service else None
     supervise(
         read,
-        master if read.ros == 1 else domain_address(domain),
+        master if read.ros == 1 else domain_address(domain_id(domain)),
         log_level=log_level.value.upper(),
         dry_run=dry_run,
         control=control,

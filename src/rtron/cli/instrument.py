@@ -1,21 +1,26 @@
 """`rtron instrument`."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rtron.cli.assignments import assignments
+from rtron.cli.generation import check_launch
 from rtron.cli.options import PlanOption, TextOrJson
 from rtron.cli.outcome import FOUND, OK, Outcome, as_json
 from rtron.planning.instrument import Instrumented, Started, write_instrumented
 from rtron.planning.instrument import instrument as instrumented
+from rtron.planning.instrument.ros2 import instrument_ros2
 from rtron.planning.read import parse_plan
 from rtron.planning.yaml_text import read_text
 from rtron.reports.guarded_text import Guarded, NodeRemap, OpenEnd, guarded_text, guarded_to_json
 from rtron.sources.launch.packages import find_packages
+from rtron.sources.launch2.reader import read_launch2
+from rtron.vocabulary import Plan
 
 if TYPE_CHECKING:
     from rtron.sources.static.app import StaticApp
@@ -23,7 +28,11 @@ if TYPE_CHECKING:
 
 def instrument(
     launch: Annotated[
-        Path, typer.Argument(metavar="APP.launch", help="The launch file that starts the app.")
+        Path,
+        typer.Argument(
+            metavar="APP.launch",
+            help="The launch file that starts the app; in ROS 2 one of .xml, .yaml or .py.",
+        ),
     ],
     arguments: Annotated[
         list[str] | None,
@@ -54,27 +63,59 @@ def instrument(
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ rtron instrument app.launch model:=waffle --plan rtron.yaml -o out.launch
 
+    The plan says which ROS it is for. In ROS 2, XML and YAML launch files are
+    rewritten; a Python launch file is wrapped: it stays as it is, and what it
+    starts gets its remaps when it starts. RTron itself never runs it.
+
+    $ rtron instrument app.launch.py --plan rtron.yaml -o guarded.launch.py
+    $ rtron instrument app.launch.xml --plan rtron.yaml -o guarded.launch.xml
+
     Exit code: 0 all is closed; 1 written, but something cannot be enforced and
     the plan does not accept it; 2 bad input.
     """
-    from rtron.sources.static.app import scan_app  # noqa: PLC0415 - the guard starts without it
-
     text = read_text(plan)
-    app = scan_app(packages or (), [(launch, assignments(arguments or ()))], os.environ)
-    result = instrumented(
-        app.trees[0],
-        parse_plan(text, str(plan)),
-        output,
-        plan_text=text,
-        started=_started(app),
-        packages=find_packages(packages or ()),
-    )
+    chosen = parse_plan(text, str(plan))
+    check_launch(launch, chosen, str(plan))
+    given = _Given(launch, assignments(arguments or ()), packages or (), chosen, output, text)
+    result = _ros1(given) if chosen.ros == 1 else _ros2(given)
     write_instrumented(result)
-    guarded = _guarded(result)
+    guarded = _guarded(result, chosen.ros)
     shown = (
         as_json(guarded_to_json(guarded)) if format is TextOrJson.JSON else guarded_text(guarded)
     )
     return Outcome(shown, OK if guarded.is_closed else FOUND)
+
+
+@dataclass(frozen=True, slots=True)
+class _Given:
+    """What the command was given: a launch file and its arguments, where to look, what to make."""
+
+    launch: Path
+    arguments: Mapping[str, str]
+    folders: Sequence[Path]
+    plan: Plan
+    out: Path
+    plan_text: str
+
+
+def _ros1(given: _Given) -> Instrumented:
+    from rtron.sources.static.app import scan_app  # noqa: PLC0415 - the guard starts without it
+
+    app = scan_app(given.folders, [(given.launch, given.arguments)], os.environ)
+    return instrumented(
+        app.trees[0],
+        given.plan,
+        given.out,
+        plan_text=given.plan_text,
+        started=_started(app),
+        packages=find_packages(given.folders),
+    )
+
+
+def _ros2(given: _Given) -> Instrumented:
+    packages = find_packages(given.folders)
+    tree = read_launch2(given.launch, given.arguments, os.environ, packages)
+    return instrument_ros2(tree, given.plan, given.out, plan_text=given.plan_text)
 
 
 def _started(app: "StaticApp") -> Sequence[Started]:
@@ -85,8 +126,9 @@ def _started(app: "StaticApp") -> Sequence[Started]:
     ]
 
 
-def _guarded(result: Instrumented) -> Guarded:
+def _guarded(result: Instrumented, ros: int) -> Guarded:
     return Guarded(
+        ros=ros,
         launch=str(result.launch),
         files=tuple(map(str, (*result.files, *result.copies))),
         remaps=tuple(

@@ -7,6 +7,16 @@ from typing import Annotated
 import typer
 
 from rtron.cli.launch_names import complete_launch
+from rtron.wire.domain import LAST_DOMAIN
+
+
+class Ros(str, Enum):
+    """The ROS that a running app speaks."""
+
+    AUTO = "auto"
+    ONE = "1"
+    TWO = "2"
+
 
 Inputs = Annotated[
     list[str] | None,
@@ -43,8 +53,35 @@ Live = Annotated[bool, typer.Option("--live", help="Read the app that is running
 Master = Annotated[
     str, typer.Option(envvar="ROS_MASTER_URI", metavar="URI", help="The ROS master of the app.")
 ]
+RosOption = Annotated[
+    Ros,
+    typer.Option(
+        help="Which ROS the running app speaks. auto: ROS_VERSION, as a sourced ROS sets it, or "
+        "else a master that answers (1) or an installed rclpy (2)."
+    ),
+]
+Domain = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        max=LAST_DOMAIN,
+        metavar="ID",
+        help="The ROS 2 domain of the app.  [default: ROS_DOMAIN_ID, or 0]",
+        show_default=False,
+    ),
+]
 Timeout = Annotated[
     float, typer.Option(min=0.1, metavar="S", help="Seconds to wait for each answer of the app.")
+]
+LiveTimeout = Annotated[
+    float | None,
+    typer.Option(
+        min=0.1,
+        metavar="S",
+        help="Seconds to wait: in ROS 1 for each answer, in ROS 2 until all nodes are found.  "
+        "[default: 5, in ROS 2 15]",
+        show_default=False,
+    ),
 ]
 Lists = Annotated[
     Path | None,

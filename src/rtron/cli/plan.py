@@ -10,20 +10,23 @@ import typer
 from rtron.cli.app import App, Chosen, chosen_app
 from rtron.cli.options import (
     DEFAULT_MASTER,
-    DEFAULT_TIMEOUT,
+    Domain,
     Env,
     Inputs,
     Jobs,
     Launches,
     Lists,
     Live,
+    LiveTimeout,
     Master,
     NoCache,
+    Ros,
+    RosOption,
     TextOrJson,
-    Timeout,
 )
 from rtron.cli.outcome import STDOUT, Outcome, replace_file
 from rtron.cli.remarks import remarks_of
+from rtron.cli.running import RunningApp
 from rtron.cli.static_app import StaticChoice
 from rtron.cli.tuning import Tuning, tuned
 from rtron.errors import InputError
@@ -56,7 +59,9 @@ def plan(  # noqa: PLR0913 - one for each option
     env: Env = None,
     live: Live = False,
     master: Master = DEFAULT_MASTER,
-    timeout: Timeout = DEFAULT_TIMEOUT,
+    ros: RosOption = Ros.AUTO,
+    domain: Domain = None,
+    timeout: LiveTimeout = None,
     lists: Lists = None,
     output: Output = None,
     from_run: FromRun = None,
@@ -75,6 +80,7 @@ def plan(  # noqa: PLR0913 - one for each option
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
     $ rtron plan graph.json -o rtron.yaml  write it; an older one becomes .bak
     $ rtron plan graph.json -o -           print the YAML
+    $ rtron plan --live -o rtron.yaml      of the app that is running
     $ rtron plan run.bag                   of what a bag shows, publishers only
 
     Later, fit it to how the app behaves. A dry run measures it:
@@ -97,9 +103,8 @@ def plan(  # noqa: PLR0913 - one for each option
     if plan_file:
         raise InputError("--plan without --from-run", help="`rtron check` checks a plan")
     static = StaticChoice(launches=launch or (), env=env or (), jobs=jobs, use_cache=not no_cache)
-    chosen = Chosen(
-        inputs=inputs or (), master=master if live else None, timeout=timeout, static=static
-    )
+    running = RunningApp(ros=ros, master=master, domain=domain, timeout=timeout)
+    chosen = Chosen(inputs=inputs or (), running=running if live else None, static=static)
     app = chosen_app(chosen)
     found = app.source.read()
     report = discover(found, load_lists(lists) if lists else None)

@@ -11,20 +11,23 @@ from rtron.cli.evidence import from_root
 from rtron.cli.launch_list import listed_launches
 from rtron.cli.options import (
     DEFAULT_MASTER,
-    DEFAULT_TIMEOUT,
+    Domain,
     Env,
     Inputs,
     Jobs,
     Launches,
     Lists,
     Live,
+    LiveTimeout,
     Master,
     NoCache,
     Output,
+    Ros,
+    RosOption,
     TextOrJson,
-    Timeout,
 )
 from rtron.cli.outcome import FOUND, OK, STDOUT, Outcome, as_json
+from rtron.cli.running import RunningApp
 from rtron.cli.static_app import StaticChoice
 from rtron.errors import InputError
 from rtron.planning.propose import propose_plan
@@ -66,7 +69,9 @@ def scan(  # noqa: PLR0913 - one for each option
     env: Env = None,
     live: Live = False,
     master: Master = DEFAULT_MASTER,
-    timeout: Timeout = DEFAULT_TIMEOUT,
+    ros: RosOption = Ros.AUTO,
+    domain: Domain = None,
+    timeout: LiveTimeout = None,
     format: Annotated[
         Format,
         typer.Option(help="A report, the risks, the graph, a picture in DOT, SARIF, or a page."),
@@ -91,15 +96,15 @@ def scan(  # noqa: PLR0913 - one for each option
     $ rtron scan src --launch pkg/app.launch model:=big
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
     $ rtron scan --live --format graph --fail-on never -o graph.json
+    $ rtron scan --live --ros 2 --domain 7       where ROS 2 runs, in domain 7
     $ rtron scan graph.json --format json --fail-on high
     $ rtron scan run.bag                   who published what in a recording
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """
     static = StaticChoice(launches=launch or (), env=env or (), jobs=jobs, use_cache=not no_cache)
-    chosen = Chosen(
-        inputs=inputs or (), master=master if live else None, timeout=timeout, static=static
-    )
+    running = RunningApp(ros=ros, master=master, domain=domain, timeout=timeout)
+    chosen = Chosen(inputs=inputs or (), running=running if live else None, static=static)
     if chosen.folders and not launch and not live:
         return Outcome(listed_launches(chosen.folders, _list_format(format)), OK, output)
     app = chosen_app(chosen)

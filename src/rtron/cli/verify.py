@@ -8,8 +8,10 @@ import typer
 from rtron.cli.options import DEFAULT_MASTER, DEFAULT_TIMEOUT, Master, TextOrJson, Timeout
 from rtron.cli.outcome import BAD_INPUT, FOUND, OK, Outcome, as_json
 from rtron.cli.verified import verified_json, verified_text
-from rtron.errors import InputError, PlanError
+from rtron.errors import InputError
+from rtron.guard.audit.verification import Verification
 from rtron.planning.read import read_plan
+from rtron.vocabulary import Plan
 
 Live = Annotated[bool, typer.Option("--live", help="Verify the app that is running.")]
 
@@ -26,8 +28,10 @@ def verify(
 ) -> Outcome:
     """Look whether the guard is really in the way of the app that is running.
 
-    Every node behind the guard is asked who speaks to it, since a publisher
-    that never registered shows nowhere else. For each path of the plan:
+    In ROS 1 every node behind the guard is asked who speaks to it, since a
+    publisher that never registered shows nowhere else. In ROS 2 the domain
+    (ROS_DOMAIN_ID) tells it, and whose a name is by the participants; `--timeout`
+    is how long that may take to settle. For each path of the plan:
 
     closed        only the guard is heard, on the private topic
     open          somebody else is heard, too: it is named
@@ -39,23 +43,30 @@ def verify(
     $ rtron verify --live --plan rtron.yaml --master http://robot:11311
     $ rtron verify --live --format json | jq .verdict
 
-    It joins no graph and changes nothing. The running guard does the same by
-    itself, 13 times a second; see `audit` in the plan.
+    It changes nothing, and joins no graph but a ROS 2 domain, as /rtron_verify.
+    The running guard does the same by itself, all the time; see `audit` in the
+    plan.
 
     Exit code: 0 closed, 1 open or drifted, 2 it cannot be told.
     """
-    from rtron.guard.audit.outside import verify_live  # noqa: PLC0415 - only who verifies needs it
-    from rtron.guard.fence.place import private_master  # noqa: PLC0415
-
     if not live:
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
         raise InputError("what is there to verify?", help=help)
     wanted = read_plan(plan)
-    if wanted.ros != 1:
-        help = "`rtron verify` speaks ROS 1 only"
-        raise PlanError("the plan says `ros: 2`", path=str(plan), help=help)
-    found = verify_live(wanted, private_master(master), timeout)
+    found = _found(wanted, master, timeout)
     code = OK if found.closed else FOUND if found.told else BAD_INPUT
     if format is TextOrJson.JSON:
         return Outcome(as_json(verified_json(found)), code)
     return Outcome(verified_text(str(plan), found), code)
+
+
+def _found(plan: Plan, master: str, timeout: float) -> Verification:
+    """Look at the app that the plan is for; only who verifies loads what that needs."""
+    if plan.ros != 1:
+        from rtron.guard.audit.ros2.outside import verify_domain  # noqa: PLC0415
+
+        return verify_domain(plan, timeout)
+    from rtron.guard.audit.outside import verify_live  # noqa: PLC0415
+    from rtron.guard.fence.place import private_master  # noqa: PLC0415
+
+    return verify_live(plan, private_master(master), timeout)

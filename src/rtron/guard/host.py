@@ -7,6 +7,9 @@ from functools import partial
 
 from rtron.guard.action.followed import FollowedStream, followed_action
 from rtron.guard.action.guarded import GuardedAction
+from rtron.guard.action.ros2.ends import CarriesRequests
+from rtron.guard.action.ros2.guarded import RequestedAction
+from rtron.guard.action.ros2.observed import ObservedAction
 from rtron.guard.alarms import Alarms
 from rtron.guard.guarded import Adaptation, GuardedStream
 from rtron.guard.messages import (
@@ -24,6 +27,7 @@ from rtron.guard.statuses import active_text, alarm_statuses, emergency_statuses
 from rtron.guard.transport.transport import Output, Transport
 from rtron.guard.watching import Watching, Ways
 from rtron.guard.will import Will
+from rtron.messages.encoding import Encoding
 from rtron.policies.mission import Standing
 from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SECOND, Mode, Stream, flow_topic
 
@@ -73,8 +77,9 @@ class Host:
             self._show_owner(guarded)
         for monitor in self.senses.monitors:
             self._show_rate(monitor.id)
-        self._diagnostics = self._announce(GUARD_NODE, "/diagnostics", DIAGNOSTICS.type)
-        self._diagnostics.learn(DIAGNOSTICS)
+        diagnostics = DIAGNOSTICS[self._transport.encoding]
+        self._diagnostics = self._announce(GUARD_NODE, "/diagnostics", diagnostics.type)
+        self._diagnostics.learn(diagnostics)
         self._report()
 
     def guard(self) -> None:
@@ -114,6 +119,8 @@ class Host:
 
     def _guarded(self, stream: Stream) -> GuardedStream:
         common = (stream, self._transport, self.senses, self._will)
+        if stream.by_request:
+            return self._requested(stream)
         if stream.mode is Mode.ENFORCE and stream.action:
             action = GuardedAction(*common, dry_run=self._dry_run)
             action.halted = partial(self._halted, action)
@@ -121,6 +128,16 @@ class Host:
         if stream.mode is Mode.ENFORCE and followed_action(stream):
             return FollowedStream(*common, dry_run=self._dry_run)
         return GuardedStream(*common, dry_run=self._dry_run)
+
+    def _requested(self, stream: Stream) -> GuardedStream:
+        """Return an action of ROS 2; requests need a transport for them, and cannot be observed."""
+        common = (stream, self._transport, self.senses, self._will)
+        carries = self._transport
+        if stream.mode is not Mode.ENFORCE or not isinstance(carries, CarriesRequests):
+            return ObservedAction(*common, dry_run=self._dry_run)
+        action = RequestedAction(*common, carries, dry_run=self._dry_run)
+        action.halted = partial(self._halted, action)
+        return action
 
     def _follow(self) -> None:
         """Let goals without an id be followed where their action is guarded too."""
@@ -130,7 +147,7 @@ class Host:
             if isinstance(each, FollowedStream) and action:
                 each.follow(action)
 
-    def _halted(self, action: GuardedAction, node: str, why: str) -> None:
+    def _halted(self, action: GuardedAction | RequestedAction, node: str, why: str) -> None:
         """Keep the server of a goal that was stopped from moving the robot, until it is over."""
         for guarded in self.guarded:
             if guarded is action:
@@ -190,7 +207,7 @@ class Host:
         topic = f"{guarded.nodes[0]}/{name}/active"
         active = self._announce(guarded.nodes[0], topic, STRING.type)
         active.learn(STRING)
-        guarded.told = partial(_tell, guarded, active)
+        guarded.told = partial(_tell, guarded, active, self._transport.encoding)
         guarded.told()
 
     def _show_rate(self, monitor: str) -> None:
@@ -201,15 +218,16 @@ class Host:
 
     def _tell_rate(self, monitor: str, output: Output) -> None:
         now = self._transport.now()
-        output.publish(float64_message(self.senses.rates.monitors[monitor].rate(now).fps))
+        fps = self.senses.rates.monitors[monitor].rate(now).fps
+        output.publish(float64_message(self._transport.encoding, fps))
         self._transport.call_at(now + _FPS_PERIOD, partial(self._tell_rate, monitor, output))
 
     def _report(self) -> None:
         self._transport.call_at(self._transport.now() + SECOND, self._report)
         if self._diagnostics is not None:
             self._reports += 1
-            message = diagnostics_message(self._reports, time.time_ns(), self.statuses())
-            self._diagnostics.publish(message)
+            told = (self._reports, time.time_ns(), self.statuses())
+            self._diagnostics.publish(diagnostics_message(self._transport.encoding, *told))
 
 
 def _log_standing(standing: Standing) -> None:
@@ -228,7 +246,7 @@ def _ways(streams: Sequence[Stream]) -> Ways:
     )
 
 
-def _tell(guarded: GuardedStream, active: Output) -> None:
+def _tell(guarded: GuardedStream, active: Output, encoding: Encoding) -> None:
     text = active_text(guarded)
     log.info("%s: %s", guarded.stream.topic, text)
-    active.publish(string_message(text), latched_by=GUARD_NODE)
+    active.publish(string_message(encoding, text), latched_by=GUARD_NODE)

@@ -1,28 +1,40 @@
-"""The ROS 1 messages that the guard writes itself, as bytes with their length in front."""
+"""The messages that the guard writes itself, as bytes in either encoding."""
 
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rtron.guard.transport.transport import TypeInfo
+from rtron.messages.encoding import Encoding
 
-_U32 = struct.Struct("<I")
 _F64 = struct.Struct("<d")
-_HEADER = struct.Struct("<III")
+_ALIGNED = 4
 
 STRING = TypeInfo("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
 FLOAT64 = TypeInfo("std_msgs/Float64", "fdb28210bfa9d7c91146260178d9a584", "float64 data\n")
 _RULE = "=" * 80
-DIAGNOSTICS = TypeInfo(
-    "diagnostic_msgs/DiagnosticArray",
-    "60810da900de1dd6ddd437c3503511da",
-    "Header header\nDiagnosticStatus[] status\n"
-    f"{_RULE}\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
-    f"{_RULE}\nMSG: diagnostic_msgs/DiagnosticStatus\n"
-    "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\n"
-    "byte level\nstring name\nstring message\nstring hardware_id\nKeyValue[] values\n"
-    f"{_RULE}\nMSG: diagnostic_msgs/KeyValue\nstring key\nstring value\n",
-)
+
+
+def _diagnostics(md5sum: str, header: str) -> TypeInfo:
+    return TypeInfo(
+        "diagnostic_msgs/DiagnosticArray",
+        md5sum,
+        "Header header\nDiagnosticStatus[] status\n"
+        f"{_RULE}\nMSG: std_msgs/Header\n{header}string frame_id\n"
+        f"{_RULE}\nMSG: diagnostic_msgs/DiagnosticStatus\n"
+        "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\n"
+        "byte level\nstring name\nstring message\nstring hardware_id\nKeyValue[] values\n"
+        f"{_RULE}\nMSG: diagnostic_msgs/KeyValue\nstring key\nstring value\n",
+    )
+
+
+DIAGNOSTICS = {
+    Encoding.ROS1: _diagnostics("60810da900de1dd6ddd437c3503511da", "uint32 seq\ntime stamp\n"),
+    Encoding.CDR: _diagnostics(
+        "5174d6fb6863edc1c01a605da45a367f", "builtin_interfaces/Time stamp\n"
+    ),
+}
+"""What the guard's state is told in; ROS 2's headers have no sequence number."""
 OK, WARN, ERROR = range(3)
 
 
@@ -36,33 +48,69 @@ class Status:
     values: Mapping[str, str]
 
 
-def string_message(text: str) -> bytes:
+class Writer:
+    """Writes one message, field by field; alignment is counted from the body's first byte."""
+
+    def __init__(self, encoding: Encoding) -> None:
+        self._encoding = encoding
+        self._body = bytearray()
+
+    def byte(self, value: int) -> None:
+        """Write a byte."""
+        self._body.append(value)
+
+    def uint32(self, value: int) -> None:
+        """Write 4 bytes, least first."""
+        if self._encoding is Encoding.CDR:
+            self._body += bytes(-len(self._body) % _ALIGNED)
+        self._body += value.to_bytes(4, "little")
+
+    def string(self, text: str) -> None:
+        """Write a text as UTF-8; what CDR ends it with cannot be in it."""
+        data = text.encode(errors="replace")
+        if self._encoding is Encoding.CDR:
+            data = data.replace(b"\0", b"?") + b"\0"
+        self.uint32(len(data))
+        self._body += data
+
+    def message(self) -> bytes:
+        """Return the message as it travels."""
+        return self._encoding.prefix(len(self._body)) + self._body
+
+
+def string_message(encoding: Encoding, text: str) -> bytes:
     """Return a std_msgs/String."""
-    return _framed(_string(text))
+    writer = Writer(encoding)
+    writer.string(text)
+    return writer.message()
 
 
-def float64_message(value: float) -> bytes:
+def float64_message(encoding: Encoding, value: float) -> bytes:
     """Return a std_msgs/Float64."""
-    return _framed(_F64.pack(value))
+    return encoding.prefix(_F64.size) + _F64.pack(value)
 
 
-def diagnostics_message(seq: int, stamp: int, statuses: Sequence[Status]) -> bytes:
+def diagnostics_message(
+    encoding: Encoding, seq: int, stamp: int, statuses: Sequence[Status]
+) -> bytes:
     """Return a diagnostic_msgs/DiagnosticArray; `stamp` is wall time in ns."""
-    seconds, nanoseconds = divmod(stamp, 1_000_000_000)
-    head = _HEADER.pack(seq, seconds, nanoseconds) + _string("")
-    return _framed(head + _U32.pack(len(statuses)) + b"".join(map(_status, statuses)))
+    writer = Writer(encoding)
+    if encoding is Encoding.ROS1:
+        writer.uint32(seq)
+    for part in divmod(stamp, 1_000_000_000):
+        writer.uint32(part)
+    writer.string("")
+    writer.uint32(len(statuses))
+    for status in statuses:
+        _write_status(writer, status)
+    return writer.message()
 
 
-def _status(status: Status) -> bytes:
-    values = b"".join(_string(key) + _string(value) for key, value in status.values.items())
-    texts = _string(status.name) + _string(status.message) + _string("rtron")
-    return bytes([status.level]) + texts + _U32.pack(len(status.values)) + values
-
-
-def _string(text: str) -> bytes:
-    data = text.encode(errors="replace")
-    return _U32.pack(len(data)) + data
-
-
-def _framed(body: bytes) -> bytes:
-    return _U32.pack(len(body)) + body
+def _write_status(writer: Writer, status: Status) -> None:
+    writer.byte(status.level)
+    for text in (status.name, status.message, "rtron"):
+        writer.string(text)
+    writer.uint32(len(status.values))
+    for pair in status.values.items():
+        for text in pair:
+            writer.string(text)

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
 from rtron.guard.audit.auditor import Auditor
+from rtron.guard.complaints import Complaints
 from rtron.guard.control import Answer, Control, control_path
+from rtron.guard.fence.place import private_master
 from rtron.guard.host import Host
 from rtron.guard.link.linked import Linked
 from rtron.guard.loop import Loop
@@ -96,7 +98,9 @@ def _auditor(
     plan: Plan, master: str, host: Host, transport: AnyTransport, loop: Loop, *, dry_run: bool
 ) -> Auditor | Ros2Auditor:
     if isinstance(transport, Ros1Transport):
-        return Auditor(plan, master, host, transport, loop, dry_run=dry_run)
+        behind = private_master(master)
+        return Auditor(plan, behind, host, transport, loop, dry_run=dry_run)
+    transport.tell(Complaints(host.alarms, transport).take)
     from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
 
     return Ros2Auditor(plan, host, transport, loop, dry_run=dry_run)

@@ -24,7 +24,9 @@ def standard_info(type: str, encoding: Encoding) -> TypeInfo | None:
     name = normalise_type(type)
     definition = _STANDARD[encoding].find(name)
     text = standard_text(name, 1 if encoding is Encoding.ROS1 else 2)
-    return TypeInfo(name, definition.md5sum, text) if definition and text else None
+    if definition is None or text is None:
+        return None
+    return TypeInfo(name, definition.md5sum, text)
 
 
 def codec_of(info: TypeInfo, encoding: Encoding) -> VelocityCodec | None:

@@ -27,19 +27,25 @@ PRIMITIVES = frozenset({*SIZES, "string"})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Field:
-    """A field: `type` is primitive or `pkg/Name`, `length` that of an array of fixed length."""
+    """A field: `type` is primitive or `pkg/Name`, `length` that of an array of fixed length.
+
+    ROS 2 bounds what it does not fix: `most` elements of a sequence, `longest` bytes of a string.
+    """
 
     name: str
     type: str
     array: bool = False
     length: int | None = None
+    most: int | None = None
+    longest: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Definition:
     """A message type, `pkg/Name`, with the definitions of the types that its own fields have.
 
-    `md5sum` is ROS 1's, `values` as for `MAX_VALUES`, `depth` 1 if no type is nested in it.
+    `md5sum` is ROS 1's, which bounds are part of as they are spelled; `values` are counted as for
+    `MAX_VALUES`; `depth` is 1 if no type is nested in it.
     """
 
     type: str

@@ -26,10 +26,12 @@ _ALIASES = {
     "builtin_interfaces/Duration": "duration",
 }
 _TYPE = re.compile(
-    r"(?P<base>[A-Za-z]\w*(?:/[A-Za-z]\w*){0,2})(?:<=\d+)?(?P<array>\[(?:<=\d+|(?P<length>\d*))\])?",
+    r"(?P<base>[A-Za-z]\w*(?:/[A-Za-z]\w*){0,2})(?:<=(?P<longest>\d+))?"
+    r"(?P<array>\[(?:<=(?P<most>\d+)|(?P<length>\d*))\])?",
     re.ASCII,
 )
 _LINE = re.compile(r"\s*(?P<type>\S+)\s+(?P<name>[A-Za-z]\w*)\s*(?P<rest>=|\s\S|$)", re.ASCII)
+_DIGITS = 10
 _SEPARATOR = re.compile(r"={3,}\s*")
 _SECTION = re.compile(r"MSG:\s*(\S+)\s*")
 
@@ -88,12 +90,21 @@ def _field(name: str, kind: "re.Match[str]", line: int, owner: str) -> Field:
     length = kind["length"] or None
     if length and (len(length) > len(str(MAX_VALUES)) or not 0 < int(length) <= MAX_VALUES):
         raise InputError(f"line {line}: {name} has {length[:20]} elements, at most {MAX_VALUES}")
+    if kind["longest"] and kind["base"] != "string":
+        raise InputError(f"line {line}: {kind['base']} of {name} is no string and has no length")
     return Field(
         name=name,
         type=_resolved(kind["base"], line, owner),
         array=kind["array"] is not None,
         length=int(length) if length else None,
+        most=_bound(kind["most"]),
+        longest=_bound(kind["longest"]),
     )
+
+
+def _bound(digits: str | None) -> int | None:
+    """Return a bound; one above what 32 bits count bounds nothing."""
+    return int(digits) if digits and len(digits) <= _DIGITS else None
 
 
 def _resolved(base: str, line: int, owner: str) -> str:

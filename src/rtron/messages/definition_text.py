@@ -20,7 +20,8 @@ def parse_definition(type: str, text: str, *, lookup: Lookup | None = None) -> D
     """Return the definition of `type` that `text` gives; InputError with the line if it is none.
 
     Other types follow after lines of `=` and `MSG: pkg/Name`; `lookup` may know those that do not.
-    Both `.msg` spellings are read, ROS 1's and ROS 2's; wide strings are not.
+    Both `.msg` spellings are read, ROS 1's and ROS 2's; wide strings are not (how they travel
+    is each middleware's own).
     """
     name = normalise_type(type)
     if not NAME.fullmatch(name):
@@ -89,9 +90,14 @@ def _definition(name: str, section: Section, nested: Mapping[str, Definition]) -
 
 def _hashed(field: Field, nested: Mapping[str, Definition]) -> str:
     if field.type in nested:
-        return f"{nested[field.type].md5sum} {field.name}"
-    length = "" if field.length is None else field.length
-    return f"{field.type}{f'[{length}]' if field.array else ''} {field.name}"
+        return f"{nested[field.type].md5sum}{_spelled(field.most)} {field.name}"
+    length = _spelled(field.most) if field.length is None else field.length
+    array = f"[{length}]" if field.array else ""
+    return f"{field.type}{_spelled(field.longest)}{array} {field.name}"
+
+
+def _spelled(bound: int | None) -> str:
+    return "" if bound is None else f"<={bound}"
 
 
 def enter(name: str, opened: list[str]) -> None:

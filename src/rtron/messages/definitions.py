@@ -1,10 +1,11 @@
 """The definitions of message types that are known: a plan's own, and the standard ones."""
 
+import os
 from collections.abc import Iterable
 
 from rtron.messages.definition import Definition
 from rtron.messages.definition_text import enter, parse_definition
-from rtron.vocabulary import MessageDefinition, normalise_type
+from rtron.vocabulary import MessageDefinition, is_action_type, normalise_type
 
 
 class Definitions:
@@ -32,18 +33,35 @@ class Definitions:
 
     def _parse(self, name: str) -> Definition | None:
         text = self._texts.get(name) or _ACKERMANN.get(name)
+        if is_action_type(name):
+            return parse_definition(*_goal(name, text), lookup=self.find) if text else None
         if text is not None:
             return parse_definition(name, text, lookup=self.find)
         standard = standard_text(name, self._ros)
         return None if standard is None else parse_definition(name, standard)
 
 
+def _goal(action: str, text: str) -> tuple[str, str]:
+    """Return the goal of an action of ROS 2: its name, and what stands before the first `---`."""
+    package, _, name = action.split("/")
+    lines = text.splitlines()
+    goal = lines[: lines.index("---")] if "---" in lines else lines
+    others = (n for n, line in enumerate(lines) if n > len(goal) and line.startswith("====="))
+    rest = lines[next(others, len(lines)) :]
+    return f"{package}/{name}_Goal", "\n".join((*goal, *rest))
+
+
 def standard_text(name: str, ros: int) -> str | None:
-    """Return the definition of a standard type, with those that it names; None if it is none."""
+    """Return the definition of a standard type, with those that it names; None if it is none.
+
+    It is that of the distribution that was sourced; else of Noetic, or of Jazzy.
+    """
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - most guards need none
     from rosbags.typesys.base import TypesysError  # noqa: PLC0415
 
-    store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
+    usual = Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_JAZZY
+    sourced = Stores.__members__.get(f"ROS{ros}_{os.environ.get('ROS_DISTRO', '').upper()}")
+    store = get_typestore(sourced or usual)
     package, _, last = name.partition("/")
     try:
         return str(store.generate_msgdef(f"{package}/msg/{last}", ros_version=ros)[0])

@@ -13,6 +13,8 @@ PREFIX = 4
 """The number of bytes in front of the body."""
 PADDING = 3
 """The most bytes that a CDR writer may leave after the last field: some fill up to 4."""
+_OPTIONS = 3
+"""Where CDR's header tells, in 2 bits, how much padding there is (OMG XTypes 1.3, 7.6.3.1.2)."""
 _LENGTH = struct.Struct("<I")
 _PLAIN_CDR_LE = b"\x00\x01"
 
@@ -42,5 +44,8 @@ class Encoding(Enum):
         left = len(message) - at
         if left < 0:
             raise WireError(f"the message ends {-left} bytes before its fields do")
-        if left > (PADDING if self is Encoding.CDR else 0):
+        padding, most = (message[_OPTIONS] & PADDING, PADDING) if self is Encoding.CDR else (0, 0)
+        if left > most:
             raise WireError(f"{left} bytes follow the last field")
+        if left < padding:
+            raise WireError(f"{padding} bytes of padding are announced, {left} are there")

@@ -219,7 +219,7 @@ def each_element(
     lay_out: Callable[[Layout, Field, Definition], None],
 ) -> Step:
     """Return the step over an array whose elements `lay_out` lays out, one after the other."""
-    single = Field(name=field.name, type=field.type)
+    single = Field(name=field.name, type=field.type, longest=field.longest)
     inner = Layout(layout.encoding, known=1)
     lay_out(inner, single, definition)
     steps = inner.steps()

@@ -25,6 +25,7 @@ from rtron.vocabulary import (
     names_node,
     normalise_type,
     part_topic,
+    with_goals,
 )
 
 
@@ -63,6 +64,11 @@ class _App:
     def actions(self) -> frozenset[str]:
         return action_topics(self.graph)
 
+    @cached_property
+    def requested(self) -> frozenset[str]:
+        named = frozenset(action.name for action in self.graph.actions)
+        return named if self.graph.ros != 1 else frozenset()
+
 
 @dataclass(frozen=True, slots=True)
 class _Guard:
@@ -92,7 +98,7 @@ def check_plan(plan: Plan, graph: InteractionGraph | None = None) -> tuple[Probl
 
     Errors and warnings stand in the plan's order, those of the rules last.
     """
-    found = [*(_between(plan, _App(graph)) if graph else ()), *_doubts(plan)]
+    found = [*(_between(plan, _App(with_goals(graph))) if graph else ()), *_doubts(plan)]
     return tuple(dict.fromkeys(found))
 
 
@@ -162,6 +168,9 @@ def _check_guard(guard: _Guard, app: _App) -> Iterator[Problem]:
         help = "guard its goals, and say their type, pkg/NameActionGoal"
         told = f"{guard.topic} is one topic of an action: {why}; {help}"
         yield Problem(Level.WARNING, guard.where, told)
+    if guard.topic in app.requested and not guard.action:
+        told = f"{guard.topic} is an action, not a topic: say its type, pkg/action/Name"
+        yield Problem(Level.ERROR, guard.where, told)
 
 
 def _check_watched(where: str, flow: WatchedFlow | EventFlow, app: _App) -> Iterator[Problem]:

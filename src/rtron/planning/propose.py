@@ -6,7 +6,7 @@ The defaults (paper sections 5.3 and 7.2):
 |-------------------------------------|---------|-------------------------------------------|
 | Control, contending                 | enforce | Preemption                                |
 | Planning, contending                | enforce | Priority_Queue, `done` where it is known  |
-| an action                           | as its goals | as above: its five topics are one    |
+| an action                           | as its goals | as above: it is one unit             |
 | merging, Perception, Drivers, Others | observe | Block, no bit set                        |
 | nobody is known to publish or listen | observe | as above                                 |
 
@@ -44,13 +44,14 @@ GOAL_AGE = 60 * SECOND
 UNSEEN_GOAL = 10 * SECOND
 UNSEEN_STATE = SECOND // 2
 _CANNOT = "cannot be guarded"
+_UNTYPED = "the type of the action is not known"
 _CANCELS = ("actionlib_msgs/GoalID", "actionlib_msgs/msg/GoalID")
 _ORDER = (Domain.CONTROL, Domain.PLANNING, Domain.PERCEPTION, Domain.DRIVERS, Domain.OTHERS)
 
 
 def propose_plan(graph: InteractionGraph, report: RiskReport) -> Plan:
     """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask."""
-    site = Site(graph, report)
+    site = Site.of(graph, report)
     grcn = with_distinct_ids(_grcn(site, name) for name in _risky(site) if site.can_guard(name))
     enforced = {node.topic for node in grcn if node.mode is Mode.ENFORCE}
     monitors = fps_monitors(site)
@@ -66,15 +67,15 @@ def propose_plan(graph: InteractionGraph, report: RiskReport) -> Plan:
 
 def left_out(graph: InteractionGraph, report: RiskReport) -> tuple[Problem, ...]:
     """Return a warning for each risky topic, and each publisher of one, that no plan can guard."""
-    site = Site(graph, report)
+    site = Site.of(graph, report)
     risky = sorted({topic for risk in report.risks for topic in risk.topics})
-    nodes = sorted({e.node for topic in risky for e in graph.publishers(topic)})
+    nodes = sorted({e.node for topic in risky for e in site.graph.publishers(topic)})
     unnamed = [topic for topic in risky if not TOPIC.fits(topic)]
     unnamed += [node for node in nodes if not NODE.fits(node)]
-    actions = [topic for topic in risky if topic not in site.topics]
+    actions = [topic for topic in risky if TOPIC.fits(topic) and not site.can_guard(topic)]
     return (
         *(Problem(Level.WARNING, name, f"{_CANNOT}: its name is not known") for name in unnamed),
-        *(Problem(Level.WARNING, name, f"{_CANNOT}: its goals are no topic") for name in actions),
+        *(Problem(Level.WARNING, name, f"{_CANNOT}: {_UNTYPED}") for name in actions),
     )
 
 
@@ -98,7 +99,8 @@ def _grcn(site: Site, topic: str) -> GRCN:
     policy = _policy(site, topic)
     queued = policy is PolicyName.PRIORITY_QUEUE
     done = _done(site, topic) if queued else None
-    timeout = _timeout(topic_class.kind) if queued and not done else None
+    seen = done or topic in site.requested
+    timeout = _timeout(topic_class.kind) if queued and not seen else None
     return GRCN(
         id=node_id("grcn", topic),
         topic=topic,

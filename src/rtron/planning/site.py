@@ -17,16 +17,23 @@ from rtron.vocabulary import (
     Sharing,
     TopicClass,
     action_of,
+    is_action_type,
     part_topic,
+    with_goals,
 )
 
 
 @dataclass(frozen=True)
 class Site:
-    """A graph and the report on it."""
+    """A graph and the report on it; the goals of ROS 2's actions are topics here, too."""
 
     graph: InteractionGraph
     report: RiskReport
+
+    @staticmethod
+    def of(graph: InteractionGraph, report: RiskReport) -> "Site":
+        """Return the site of a graph as it was read."""
+        return Site(with_goals(graph), report)
 
     @cached_property
     def viewers(self) -> frozenset[str]:
@@ -47,6 +54,12 @@ class Site:
     def topics(self) -> frozenset[str]:
         """The topics of the graph."""
         return topics_of(self.graph)
+
+    @cached_property
+    def requested(self) -> frozenset[str]:
+        """The actions whose goals are requests."""
+        named = frozenset(action.name for action in self.graph.actions)
+        return named if self.graph.ros != 1 else frozenset()
 
     def risks(self, role: Role) -> Iterator[Risk]:
         """Yield the risks in which nodes play a role."""
@@ -89,8 +102,12 @@ class Site:
         return self.report.topic_classes.get(topic, TopicClass())
 
     def can_guard(self, topic: str) -> bool:
-        """Tell whether a topic is one of the graph and its name is wholly known."""
-        return topic in self.topics and TOPIC.fits(topic)
+        """Tell whether a topic is one of the graph and its name is wholly known.
+
+        Of an action of ROS 2 the type must be known, too: services have it in their names.
+        """
+        known = topic not in self.requested or is_action_type(self.type_of(topic))
+        return known and topic in self.topics and TOPIC.fits(topic)
 
     def can_enforce(self, topic: str) -> bool:
         """Tell whether standing in a topic's flow is a sound default.

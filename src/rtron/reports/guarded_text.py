@@ -39,6 +39,7 @@ class Guarded:
     remaps: tuple[NodeRemap, ...]
     unenforceable: tuple[OpenEnd, ...]
     notes: tuple[str, ...]
+    ros: int = 1
 
     @property
     def is_closed(self) -> bool:
@@ -97,4 +98,5 @@ def _next_step(guarded: Guarded, page: Page) -> Iterator[Text]:
     if not guarded.is_closed:
         advice = "close what is unenforceable, or name it in the plan's accept_unenforceable"
         yield from paragraph(advice, page, indent=2)
-    yield line((f"roslaunch {quote(guarded.launch)}", "bold green"), indent=2)
+    start = "roslaunch" if guarded.ros == 1 else "ros2 launch"
+    yield line((f"{start} {quote(guarded.launch)}", "bold green"), indent=2)

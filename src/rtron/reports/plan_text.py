@@ -33,6 +33,7 @@ from rtron.vocabulary import (
     Plan,
     Stop,
     action_of,
+    is_action_type,
 )
 
 _MODE_STYLE = {Mode.ENFORCE: "bold green", Mode.OBSERVE: "yellow"}
@@ -147,7 +148,12 @@ def _topic(guarded: GRCN | GuardedTopic, more: str = "") -> Iterator[Text]:
     """Yield what is guarded; the goals of an action stand for all of its topics."""
     yield line(f"{guarded.topic}  {guarded.type}", more, indent=2)
     action = action_of(guarded.topic, guarded.type)
-    if action:
+    if is_action_type(guarded.type):
+        yield line(
+            (f"its goals, cancels and results are requests: {action} is one action", "dim"),
+            indent=2,
+        )
+    elif action:
         parts = ", ".join(part for part in ActionPart if part is not ActionPart.GOAL)
         yield line((f"with {parts}: {action} is one action", "dim"), indent=2)
 

@@ -14,6 +14,7 @@ from rtron.vocabulary import (
     TopicClass,
     Trust,
     normalise_type,
+    with_goals,
 )
 
 # A risk that spans several topics names so many nodes of each, or it could grow with the square
@@ -55,6 +56,17 @@ class Facts:
         return _distinct(e.topic for e in self.graph.endpoints if e.direction is Direction.PUBLISH)
 
     @cached_property
+    def goals(self) -> InteractionGraph:
+        """The graph with the goals of ROS 2's actions as topics of the actions' names."""
+        return with_goals(self.graph)
+
+    @cached_property
+    def requested(self) -> tuple[str, ...]:
+        """The actions of ROS 2 with a client."""
+        more = self.goals.endpoints[len(self.graph.endpoints) :]
+        return _distinct(e.topic for e in more if e.direction is Direction.PUBLISH)
+
+    @cached_property
     def subscribing(self) -> tuple[str, ...]:
         """The nodes with a subscription."""
         return _distinct(e.node for e in self.graph.endpoints if e.direction is Direction.SUBSCRIBE)
@@ -73,7 +85,10 @@ class Facts:
     def classify(self, name: str) -> TopicClass:
         """Return what a topic is for."""
         if name not in self._classes:
-            self._classes[name] = self.lists.classify(self.topic(name).type, name)
+            type = self.topic(name).type
+            requested = name in self._requested
+            asked = (f"{type}ActionGoal", f"{name}/goal") if requested else (type, name)
+            self._classes[name] = self.lists.classify(*asked)
         return self._classes[name]
 
     def type_of(self, endpoint: Endpoint) -> str:
@@ -87,7 +102,7 @@ class Facts:
         return self._own_nodes.issuperset(nodes)
 
     def _read_topic(self, name: str) -> TopicFacts:
-        publishing, subscribing = self.graph.publishers(name), self.graph.subscribers(name)
+        publishing, subscribing = self.goals.publishers(name), self.goals.subscribers(name)
         written = tuple([e.type for e in publishing + subscribing])
         publishers = _distinct([e.node for e in publishing])
         acting = {e.node for e in subscribing} - self.viewers if subscribing else ()
@@ -98,6 +113,10 @@ class Facts:
             _distinct(acting),
             self.own(publishers),
         )
+
+    @cached_property
+    def _requested(self) -> frozenset[str]:
+        return frozenset(self.requested)
 
     @cached_property
     def _own_nodes(self) -> frozenset[str]:

@@ -5,7 +5,8 @@
 A topic with more than one publisher and at least one node that acts on it (general risk with a
 single topic, paper section 4.1; Algorithm 1, lines 1 to 3). The high-risk nodes are all its
 publishers; a node that only records or shows (rviz, rosbag, rqt) is no successor, but counts as a
-publisher. Topics for logs and visualisation are left out.
+publisher. Topics for logs and visualisation are left out. The goals of a ROS 2 action are requests;
+they count as a topic of the action's name, as they are one in ROS 1.
 
 ## Why it is a risk
 
@@ -36,7 +37,7 @@ from rtron.vocabulary import Risk, RiskKind, Role, Sharing, TopicClass
 
 def check(facts: Facts) -> Iterator[Risk]:
     """Yield a risk for each topic with several publishers and a successor."""
-    for topic in map(facts.topic, facts.published):
+    for topic in map(facts.topic, (*facts.published, *facts.requested)):
         if len(topic.publishers) > 1 and topic.successors and not _ignored(facts, topic):
             yield _risk(facts, topic)
 
@@ -60,7 +61,7 @@ def _risk(facts: Facts, topic: TopicFacts) -> Risk:
         domain=topic_class.domain,
         severity=severity_of(moves=moves, own=topic.own, reaches=True),
         reason=_reason(topic, topic_class),
-        evidence=evidence_of(facts.graph.publishers(topic.name)),
+        evidence=evidence_of(facts.goals.publishers(topic.name)),
     )
 
 

@@ -22,38 +22,21 @@ An MSRCN in front of the actuators that blocks the action while an event of the 
 `/detect_tunnel` publishes `/cmd_vel` of type `geometry_msgs/Twist`, which `/gazebo` obeys.
 """
 
-from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from rtron.risks.facts import Facts, TopicFacts, evidence_of
 from rtron.risks.rule import Need, Rule
 from rtron.risks.severity import severity_of
 from rtron.risks.wording import listed, verb
-from rtron.vocabulary import Action, ActionRole, Domain, Evidence, Risk, RiskKind, Role
-
-_ROS2 = 2
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Cause:
-    """What acts: a topic, or an action of ROS 2."""
-
-    name: str
-    type: str
-    nodes: tuple[str, ...]
-    successors: tuple[str, ...]
-    domain: Domain
-    evidence: tuple[Evidence, ...] = ()
+from rtron.vocabulary import Risk, RiskKind, Role
 
 
 def check(facts: Facts) -> Iterator[Risk]:
     """Yield a risk for each topic that makes the robot act, and for each action of ROS 2."""
     for topic in map(facts.topic, facts.published):
         if _acts(facts, topic):
-            yield _risk(facts, _topic(facts, topic))
-    if facts.graph.ros == _ROS2:
-        yield from (_risk(facts, cause) for cause in _actions(facts) if cause.nodes)
+            yield _risk(facts, topic)
+    yield from (_risk(facts, facts.topic(name)) for name in facts.requested)
 
 
 def _acts(facts: Facts, topic: TopicFacts) -> bool:
@@ -63,51 +46,21 @@ def _acts(facts: Facts, topic: TopicFacts) -> bool:
     return facts.lists.names_action(topic.name) or any(map(facts.lists.is_action, topic.types))
 
 
-def _topic(facts: Facts, topic: TopicFacts) -> _Cause:
-    return _Cause(
-        name=topic.name,
-        type=topic.type,
-        nodes=topic.publishers,
-        successors=topic.successors,
-        domain=facts.classify(topic.name).domain,
-        evidence=evidence_of(facts.graph.publishers(topic.name)),
-    )
-
-
-def _actions(facts: Facts) -> Iterator[_Cause]:
-    sides: dict[str, list[Action]] = defaultdict(list)
-    for side in facts.graph.actions:
-        sides[side.name].append(side)
-    for name, group in sorted(sides.items()):
-        goal = facts.lists.classify(f"{group[0].type}ActionGoal", f"{name}/goal")
-        yield _Cause(
-            name=name,
-            type=group[0].type,
-            nodes=_playing(ActionRole.CLIENT, group),
-            successors=_playing(ActionRole.SERVER, group),
-            domain=goal.domain,
-        )
-
-
-def _playing(role: ActionRole, sides: list[Action]) -> tuple[str, ...]:
-    return tuple(sorted({side.node for side in sides if side.role is role}))
-
-
-def _risk(facts: Facts, cause: _Cause) -> Risk:
-    nodes, successors = cause.nodes, cause.successors
+def _risk(facts: Facts, topic: TopicFacts) -> Risk:
+    nodes, successors = topic.publishers, topic.successors
     return Risk(
-        id=f"MSR-action:{cause.name}",
+        id=f"MSR-action:{topic.name}",
         kind=RiskKind.MSR,
         rule=RULE.name,
         role_nodes={Role.ACTION: nodes},
-        topics=(cause.name,),
-        message_type=cause.type,
+        topics=(topic.name,),
+        message_type=topic.type,
         successors=successors,
-        domain=cause.domain,
-        severity=severity_of(moves=True, own=facts.own(nodes), reaches=bool(successors)),
-        reason=f"{listed(nodes)} {verb(nodes, 'make')} the robot act through {cause.name}: "
+        domain=facts.classify(topic.name).domain,
+        severity=severity_of(moves=True, own=topic.own, reaches=bool(successors)),
+        reason=f"{listed(nodes)} {verb(nodes, 'make')} the robot act through {topic.name}: "
         f"{listed(successors, 'no node so far')} {verb(successors, 'obey')}, whatever happens",
-        evidence=cause.evidence,
+        evidence=evidence_of(facts.goals.publishers(topic.name)),
     )
 
 

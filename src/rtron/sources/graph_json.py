@@ -39,6 +39,8 @@ class GraphDocument:
 
 
 _DOCUMENT = TypeAdapter(GraphDocument)
+_OPTIONAL = {"endpoints": "gid", "services": "implicit"}
+"""What only graphs of ROS 2 have, and is written only where it is something."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +71,7 @@ def parse_graph(data: bytes, path: str) -> InteractionGraph:
 
 
 def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
-    """Return the graph as a JSON document; what is not known (`qos`, `domain`) is left out."""
+    """Return the graph as a JSON document; what is not known (`qos`, `gid`) is left out."""
     document = GraphDocument(
         schema="rtron.graph/1",
         app=graph.app,
@@ -82,6 +84,10 @@ def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
         unresolved=graph.unresolved,
     )
     json: dict[str, Any] = _DOCUMENT.dump_python(document, mode="json", exclude_none=True)
+    for key, optional in _OPTIONAL.items():
+        for each in json[key]:
+            if not each[optional]:
+                del each[optional]
     return json
 
 

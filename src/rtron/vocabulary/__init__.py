@@ -1,6 +1,19 @@
 """The nouns of RTron: frozen dataclasses and closed sets of words. Imports nothing of ours."""
 
-from rtron.vocabulary.action import ANSWERED, ASKED, SERVER, ActionPart, action_of, part_topic
+from rtron.vocabulary.acting import with_goals
+from rtron.vocabulary.action import (
+    ANSWERED,
+    ASKED,
+    REQUESTED,
+    SERVER,
+    TOLD,
+    ActionEnd,
+    ActionPart,
+    action_of,
+    end_name,
+    is_action_type,
+    part_topic,
+)
 from rtron.vocabulary.alarm import Alarm, AlarmKind
 from rtron.vocabulary.effective import MisfitError, coordination_ids, effective, fitting
 from rtron.vocabulary.enums import (
@@ -85,7 +98,13 @@ from rtron.vocabulary.plan import (
     Transform,
     WatchedFlow,
 )
-from rtron.vocabulary.planned import PlannedTopic, planned_topics, stage_nodes
+from rtron.vocabulary.planned import (
+    PlannedService,
+    PlannedTopic,
+    planned_services,
+    planned_topics,
+    stage_nodes,
+)
 from rtron.vocabulary.proposal import PROPOSALS_SCHEMA, Proposal, ProposalKind
 from rtron.vocabulary.replay import REPLAY_SCHEMA, Change, FlowCount, Replay, StreamCount
 from rtron.vocabulary.risk import (
@@ -131,14 +150,17 @@ __all__ = [
     "PRIVATE_ROOT",
     "PROPOSALS_SCHEMA",
     "REPLAY_SCHEMA",
+    "REQUESTED",
     "RISKS_SCHEMA",
     "RSRCN",
     "RUN_SCHEMA",
     "SECOND",
     "SERVER",
     "SUPERVISOR_NODE",
+    "TOLD",
     "UNAPPROVED",
     "Action",
+    "ActionEnd",
     "ActionPart",
     "ActionRole",
     "Alarm",
@@ -192,6 +214,7 @@ __all__ = [
     "ParameterValue",
     "Parameters",
     "Plan",
+    "PlannedService",
     "PlannedTopic",
     "Point",
     "PolicyName",
@@ -241,14 +264,18 @@ __all__ = [
     "action_of",
     "coordination_ids",
     "effective",
+    "end_name",
     "fitting",
     "flow_topic",
+    "is_action_type",
     "names_node",
     "normalise_type",
     "output_topic",
     "part_topic",
+    "planned_services",
     "planned_topics",
     "stage_nodes",
     "streams",
+    "with_goals",
     "without_stamp",
 ]

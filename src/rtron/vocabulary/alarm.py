@@ -13,6 +13,7 @@ class AlarmKind(Word):
     IMPOSTOR = "impostor"
     DRIFT = "drift"
     UNSEEN = "unseen"
+    UNREADABLE = "unreadable"
     GUARD = "guard"
     SUPERVISOR = "supervisor"
 

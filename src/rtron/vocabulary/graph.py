@@ -87,11 +87,12 @@ class Endpoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Service:
-    """A service that a node offers."""
+    """A service that a node offers; `implicit` marks those of the client library, or hidden."""
 
     node: str
     name: str
     type: str = ""
+    implicit: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

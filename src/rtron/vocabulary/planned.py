@@ -4,7 +4,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-from rtron.vocabulary.action import ANSWERED, ASKED, SERVER, ActionPart, part_topic
+from rtron.vocabulary.action import (
+    ANSWERED,
+    ASKED,
+    REQUESTED,
+    SERVER,
+    TOLD,
+    ActionPart,
+    end_name,
+    part_topic,
+)
 from rtron.vocabulary.enums import Mode, StreamKind
 from rtron.vocabulary.names import (
     PRIVATE_ROOT,
@@ -41,10 +50,27 @@ class PlannedTopic:
         return any(names_node(name, node) for name in self.subscribers)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedService:
+    """A service of a guarded action of ROS 2, and the nodes that may offer and ask for it."""
+
+    service: str
+    guarded: str
+    servers: tuple[str, ...]
+    clients: tuple[str, ...]
+
+
 def planned_topics(plan: Plan) -> tuple[PlannedTopic, ...]:
     """Return every topic that an enforced stream of a plan uses, each once."""
     enforced = (stream for stream in streams(plan) if stream.mode is Mode.ENFORCE)
     return tuple(topic for stream in enforced for topic in _topics(stream))
+
+
+def planned_services(plan: Plan) -> tuple[PlannedService, ...]:
+    """Return every service that an enforced stream of a plan uses, each once."""
+    enforced = (stream for stream in streams(plan) if stream.mode is Mode.ENFORCE)
+    requested = (stream for stream in enforced if stream.by_request)
+    return tuple(service for stream in requested for service in _services(stream))
 
 
 def stage_nodes(stream: Stream) -> tuple[str, ...]:
@@ -54,6 +80,9 @@ def stage_nodes(stream: Stream) -> tuple[str, ...]:
 
 def _topics(stream: Stream) -> Iterator[PlannedTopic]:
     nodes = stage_nodes(stream)
+    if stream.by_request:
+        yield from _told(stream, nodes[0])
+        return
     yield from _entries(stream, stream.topic, nodes[-1])
     yield from _exits(stream, stream.topic, nodes[-1], stream.successors)
     for before, after in pairwise(nodes):
@@ -73,6 +102,34 @@ def _action(stream: Stream, node: str) -> Iterator[PlannedTopic]:
         topic = part_topic(stream.action, part)
         yield _planned(stream, flow_topic(topic, SERVER), stream.successors, (node,))
         yield from _exits(stream, topic, node, clients)
+
+
+def _told(stream: Stream, node: str) -> Iterator[PlannedTopic]:
+    """Yield the topics of an action of ROS 2, which its server and the guard publish."""
+    for action, publisher, listener in _sides(stream, node):
+        for end in TOLD:
+            yield _planned(stream, end_name(action, end), publisher, listener)
+
+
+def _services(stream: Stream) -> Iterator[PlannedService]:
+    """Yield the services of an action of ROS 2; who may ask under the public name, the guard says.
+
+    Anybody may ask there, as anybody may publish a public topic in vain.
+    """
+    for action, servers, clients in _sides(stream, stage_nodes(stream)[0]):
+        for end in REQUESTED:
+            name = end_name(action, end)
+            yield PlannedService(
+                service=name, guarded=stream.topic, servers=servers, clients=clients
+            )
+
+
+def _sides(stream: Stream, node: str) -> Iterator[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+    """Yield the names that an action of ROS 2 has, each with its servers and its clients."""
+    yield output_topic(stream.action), stream.successors, (node,)
+    for flow in stream.flows:
+        yield flow_topic(stream.action, flow.name), (node,), (flow.publisher,)
+    yield stream.action, (node,), (ANYBODY,)
 
 
 def _entries(stream: Stream, topic: str, speaker: str) -> Iterator[PlannedTopic]:

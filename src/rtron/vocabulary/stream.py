@@ -63,5 +63,10 @@ class Stream:
 
     @property
     def action(self) -> str:
-        """The action whose goals these are, all five topics of which move together; or nothing."""
+        """The action whose goals these are, all of which moves together; or nothing."""
         return action_of(self.topic, self.type)
+
+    @property
+    def by_request(self) -> bool:
+        """Whether these are an action's goals in ROS 2, which are requests and no topic."""
+        return self.action == self.topic

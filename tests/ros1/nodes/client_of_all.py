@@ -18,7 +18,7 @@ def main():
     rospy.delete_param("/long")
     assert not rospy.has_param("/long")
     rospy.Service("~serve", Empty, lambda _: [])
-    rospy.wait_for_service("~serve", 10)
+    rospy.wait_for_service("~serve", 60)
     rospy.ServiceProxy("~serve", Empty)()
     master = rospy.get_master()
     assert master.lookupService("/client_of_all/serve")[0] == 1

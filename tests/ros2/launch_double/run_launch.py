@@ -41,12 +41,12 @@ def run(path, arguments):
     logging.getLogger("rtron").addHandler(handler)
     error = ""
     description = AnyLaunchDescriptionSource(path)
-    declared = [a.name for a in description.get_launch_description(None).get_launch_arguments()]
+    declared = [a.name for a in description.get_launch_description(context).get_launch_arguments()]
     try:
         visit_all(IncludeLaunchDescription(description, launch_arguments=arguments), context)
         while context.events and not context.is_shutdown:
             process(context.events.popleft(), context)
-    except Exception as raised:  # as the launch service does: it logs and shuts down
+    except Exception as raised:  # noqa: BLE001 - as launch does
         error = f"{type(raised).__name__}: {raised}"
     return {
         "arguments": declared,

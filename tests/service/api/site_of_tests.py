@@ -67,30 +67,25 @@ class People:
         return {"Authorization": f"Bearer {secret}"}
 
 
-def free_port():
-    with socket.socket() as sock:
-        sock.bind(("127.0.0.1", 0))
-        return sock.getsockname()[1]
-
-
 @contextmanager
 def served(app, config=None):
     """Serve an app as `rtron serve` does, in a thread; give its port."""
-    config = config or Config()
-    port = free_port()
-    server = uvicorn.Server(uvicorn.Config(app, **{**settings(config), "port": port}))
-    thread = threading.Thread(target=server.run, daemon=True)
+    options = settings(config or Config())
+    listening = socket.create_server(("127.0.0.1", 0))
+    port = listening.getsockname()[1]
+    server = uvicorn.Server(uvicorn.Config(app, **{**options, "port": port}))
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
     thread.start()
     wait_for(lambda: server.started)
     try:
         yield port
     finally:
         server.should_exit = True
-        thread.join(20)
+        thread.join(60)
         assert not thread.is_alive()
 
 
-def wait_for(condition, seconds=20.0):
+def wait_for(condition, seconds=60.0):
     """Wait until something is so."""
     until = time.monotonic() + seconds
     while not (found := condition()):

@@ -48,7 +48,7 @@ class Receiver:
         self.port = self.server.server_address[1]
 
     def call(self):
-        return self.calls.get(timeout=20)
+        return self.calls.get(timeout=60)
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from rtron.service.store.retention import Bounds
 from rtron.vocabulary import Plan, Settings
 from rtron.wire.link import Events, Hello, NewSettings, Stored, guard_bytes, to_guard
 
-LIMIT_S = 20
+LIMIT_S = 60
 TOKENS = {"secret-one": "one", "secret-two": "two"}
 
 

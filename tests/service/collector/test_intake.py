@@ -8,7 +8,7 @@ BATCH = Batch(1, "robot", ())
 
 
 def run(work):
-    return asyncio.run(asyncio.wait_for(work, 20))
+    return asyncio.run(asyncio.wait_for(work, 60))
 
 
 async def served(taken, work):

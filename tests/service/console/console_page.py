@@ -47,7 +47,7 @@ class Page:
     def go(self, view):
         self.browser.execute_script("location.hash = arguments[0]", f"#/{view}")
 
-    def until(self, condition, what="it", seconds=20):
+    def until(self, condition, what="it", seconds=60):
         waiting = WebDriverWait(self.browser, seconds, 0.05, ignored_exceptions=PASSING)
         return waiting.until(lambda _: condition(), what)
 

@@ -54,9 +54,9 @@ ENDLESS_PYTHON = {
 
 
 def in_time(run, *args):
-    start = time.monotonic()
+    start = time.process_time()
     interface = run(*args)
-    assert time.monotonic() - start < SECONDS
+    assert time.process_time() - start < SECONDS
     return interface
 
 

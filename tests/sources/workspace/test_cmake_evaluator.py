@@ -127,11 +127,11 @@ def test_include_folders_and_installed_scripts(tmp_path):
     ],
 )  # fmt: skip
 def test_what_is_not_resolved_is_noted_with_its_place(tmp_path, cmake, line, why):
-    begun = time.monotonic()
+    begun = time.process_time()
     (note,) = evaluated(tmp_path, cmake).unresolved
     assert why in note.why
     assert note.evidence[0].line == line
-    assert time.monotonic() - begun < 20
+    assert time.process_time() - begun < 20
 
 
 def test_links_out_of_the_package_are_no_files(tmp_path):

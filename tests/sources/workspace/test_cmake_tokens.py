@@ -56,10 +56,10 @@ def test_after_a_fault_reading_goes_on_in_the_next_line(text, line):
 
 
 def test_faults_are_bounded_and_quick():
-    begun = time.monotonic()
+    begun = time.process_time()
     _, faults = read_commands("a([[\n" * 100_000)
     assert len(faults) == MAX_FAULTS
-    assert time.monotonic() - begun < 5
+    assert time.process_time() - begun < 5
 
 
 @pytest.mark.parametrize(("count", "faults"), [(MAX_ARGUMENTS, 0), (MAX_ARGUMENTS + 1, 1)])

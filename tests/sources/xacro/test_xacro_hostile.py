@@ -58,9 +58,9 @@ BOMBS = {
 
 @pytest.mark.parametrize("name", BOMBS)
 def test_what_grows_without_end_ends_soon_and_is_noted(name, evaluated):
-    before = time.monotonic()
+    before = time.process_time()
     result = evaluated(BOMBS[name])
-    assert time.monotonic() - before < 30
+    assert time.process_time() - before < 30
     assert result.unresolved
     assert len(result.text) < 20_000_000
 

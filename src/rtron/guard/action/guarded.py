@@ -6,13 +6,13 @@ that waits here is told as pending; each goal is answered once, by the server or
 
 import logging
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 from rtron.errors import InputError, WireError
 from rtron.guard.action.bequest import Bequest
 from rtron.guard.action.desk import Desk
 from rtron.guard.action.ends import ActionEnds
+from rtron.guard.action.room import roomy
 from rtron.guard.action.server import Server
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.seldom import Seldom
@@ -147,7 +147,7 @@ class GuardedAction(GuardedStream):
 
     def _complete(self, stream: Stream) -> Stream:
         """Let the queue have room for every flow's share, which is bounded before it."""
-        return _roomy(super()._complete(stream))
+        return roomy(super()._complete(stream))
 
     def _keeps(self, peer: Peer) -> bool:  # noqa: ARG002
         """Keep no goal for late subscribers: what a server missed it must not do later."""
@@ -430,13 +430,6 @@ class GuardedAction(GuardedStream):
         node = peer.node[:128]
         if self._seldom.may_say("complaint", self._transport.now()):
             log.warning("%s: %s: %s", self.name, node, why)
-
-
-def _roomy(stream: Stream) -> Stream:
-    first, *others = stream.stages
-    size = stream.queue_size * (len(stream.flows) + 1)
-    first = replace(first, settings=replace(first.settings, queue_size=size))
-    return replace(stream, stages=(first, *others))
 
 
 def _said(goal: Goal) -> str:

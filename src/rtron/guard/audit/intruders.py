@@ -120,8 +120,12 @@ class Intruders:
         self._askers.submit(work, partial(self._identified, stranger, case))
 
     def _impatient(self, stranger: Stranger, case: _Case) -> None:
-        """Raise the alarm although the master has not said who it is."""
-        if self._cases.get(stranger) is case and case.identity is None and not case.alarm:
+        """Raise the alarm although the master has not said who it is, unless it may be old."""
+        if self._cases.get(stranger) is not case or case.identity or case.alarm:
+            return
+        if self._excused(stranger, case):
+            self._loop.call_later(_PATIENCE_S, partial(self._impatient, stranger, case))
+        else:
             self._tell(stranger, case, Identity())
 
     def _identified(self, stranger: Stranger, case: _Case, identity: Identity) -> None:

@@ -1,6 +1,7 @@
 """What the flows of one stream do, message by message, in a memory that does not grow with time."""
 
 from rtron.errors import WireError
+from rtron.guard.action.ros2.ends import GoalMessage
 from rtron.guard.measuring.flow import MeasuredFlow
 from rtron.guard.measuring.histogram import Histogram, value_figures
 from rtron.guard.measuring.monitors import MeasuredRates
@@ -130,7 +131,7 @@ class MeasuredStream:
     def _open(self, flow: MeasuredFlow, message: bytes, now: int) -> None:
         """Wait for the end of a goal; of those without ids, for one: which ended is not told."""
         try:
-            goal = read_goal(message).id if self._named else b""
+            goal = _goal_id(message) if self._named else b""
         except WireError:
             return
         if goal in self._goals or len(self._goals) >= MOST_OPEN:
@@ -138,3 +139,8 @@ class MeasuredStream:
             forgotten, _ = self._goals.pop(oldest)
             forgotten.undone += 1
         self._goals[goal] = (flow, now)
+
+
+def _goal_id(message: bytes) -> bytes:
+    """Return the id of a goal of either ROS."""
+    return message.id if isinstance(message, GoalMessage) else read_goal(message).id

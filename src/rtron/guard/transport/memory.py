@@ -15,7 +15,7 @@ from rtron.guard.transport.transport import (
     ignore,
 )
 from rtron.messages.encoding import Encoding
-from rtron.vocabulary import QoS
+from rtron.vocabulary import QoS, normalise_type
 
 
 class MemoryTransport:
@@ -118,7 +118,7 @@ class MemoryOutput:
     def __init__(
         self, type: str, listeners: list[list[bytes]], reaches: Callable[[str], bool]
     ) -> None:
-        self.type = type
+        self.type = normalise_type(type)
         self.reaches = reaches
         self.info: TypeInfo | None = None
         self.latched: dict[str, bytes] = {}

@@ -10,12 +10,15 @@ from dataclasses import dataclass
 from rtron.planning.coherence.flows import MOST_FLOWS, Misfit
 from rtron.vocabulary import (
     GRCN,
+    TOLD,
     ActionPart,
     Flow,
     GuardedTopic,
     Mode,
     Plan,
     action_of,
+    end_name,
+    is_action_type,
     names_node,
     part_topic,
 )
@@ -37,16 +40,37 @@ def action_misfits(plan: Plan) -> Iterator[Misfit]:
     enforced: list[GRCN | GuardedTopic] = [g for g in plan.grcn if g.mode is Mode.ENFORCE]
     for _, mode, topics in _later(plan):
         enforced += topics if mode is Mode.ENFORCE else ()
-    actions = {action_of(noun.topic, noun.type) for noun in enforced} - {""}
-    parts = {part_topic(action, part) for action in actions for part in ActionPart}
+    parts = {part: noun.topic for noun in enforced for part in _parts(noun)}
     for noun in enforced:
         if noun.topic in parts and not action_of(noun.topic, noun.type):
-            goal = f"{noun.topic.rpartition('/')[0]}/{ActionPart.GOAL}"
-            yield (
-                noun,
-                "topic",
-                f"{noun.topic} moves with {goal}, which is guarded: leave it out",
-            )
+            goal = parts[noun.topic]
+            told = f"{noun.topic} moves with {goal}, which is guarded: leave it out"
+            yield noun, "topic", told
+        yield from _requests(noun, plan.ros)
+
+
+def _parts(noun: GRCN | GuardedTopic) -> Iterator[str]:
+    """Yield the topics that move with the goals of an action."""
+    action = action_of(noun.topic, noun.type)
+    if is_action_type(noun.type):
+        yield from (end_name(action, end) for end in TOLD)
+    elif action:
+        yield from (part_topic(action, part) for part in ActionPart)
+
+
+def _requests(noun: GRCN | GuardedTopic, ros: int) -> Iterator[Misfit]:
+    """Refuse what an action of ROS 2 cannot be: one of ROS 1, or one that its server asks for.
+
+    A remap moves both ends of a node: its requests would go to itself, past the guard.
+    """
+    if not is_action_type(noun.type):
+        return
+    if ros == 1:
+        yield noun, "type", f"{noun.type} is an action of ROS 2, and the plan says `ros: 1`"
+    for flow in noun.flows[:MOST_FLOWS]:
+        if any(names_node(flow.publisher, node) for node in noun.successors[:MOST_FLOWS]):
+            told = f"{flow.publisher} is the server: what it asks of itself cannot be guarded"
+            yield flow, "publisher", told
 
 
 def shared_misfits(plan: Plan) -> Iterator[Misfit]:

@@ -21,12 +21,12 @@ def source_text(path: str, folder: str) -> LaunchText:
 
     Raise InputError if it cannot be read, is not XML or has a document type.
     """
-    text = _in_utf8(path)
+    text = in_utf8(path)
     text = _with_folder(text, spans(text, path), folder, path)
     return LaunchText(text=text, elements=spans(text, path))
 
 
-def _in_utf8(path: str) -> bytes:
+def in_utf8(path: str) -> bytes:
     """Return a file's text in UTF-8, and its XML declaration saying so."""
     try:
         data = Path(path).read_bytes()

@@ -11,13 +11,16 @@ from rtron.vocabulary import (
     ANSWERED,
     ASKED,
     SERVER,
+    ActionEnd,
     Flow,
     LaunchNode,
     LaunchTree,
     Mode,
     Plan,
     Stream,
+    end_name,
     flow_topic,
+    is_action_type,
     names_node,
     output_topic,
     part_topic,
@@ -40,8 +43,12 @@ class Side:
         """The private topics that the node's ends of the stream are moved to, by the public ones.
 
         A node that publishes and follows has one name for both: the guard serves it on its flow.
+        An action of ROS 2 moves by its services and topics, below the action's private name.
         """
         action = self.stream.action
+        if is_action_type(self.stream.type):
+            private = self._asked(action)
+            return {end_name(action, end): end_name(private, end) for end in ActionEnd}
         asked = [part_topic(action, part) for part in ASKED] if action else [self.stream.topic]
         answered = [part_topic(action, part) for part in ANSWERED] if action else []
         return {
@@ -84,6 +91,12 @@ def side_of(node: LaunchNode, stream: Stream) -> Side | None:
     """
     manager = manager_of(node)
     return _side(node.name, stream) or (_side(manager, stream) if manager else None)
+
+
+def private_names(name: str, enforced: tuple[Stream, ...]) -> Mapping[str, str]:
+    """Return all private names of a node by the public ones; `name` is as in a plan."""
+    sides = filter(None, (_side(name, stream) for stream in enforced))
+    return {public: private for side in sides for public, private in side.private.items()}
 
 
 def _sides(node: LaunchNode, enforced: tuple[Stream, ...]) -> Iterator[Side]:

@@ -66,20 +66,24 @@ def _endpoints(
         Ros2Endpoint(
             topic=topic,
             direction=direction,
-            node=_full_name(info),
+            node=node_name(info.node_name, info.node_namespace),
             type=info.topic_type,
             type_hash=_hash(info),
-            gid=bytes(info.endpoint_gid)[:GID_SIZE],
+            gid=gid_of(info),
             qos=qos_of(info.qos_profile),
         )
         for info in infos
     ]
 
 
-def _full_name(info: TopicEndpointInfo) -> str:
-    if info.node_name in ("", _UNKNOWN):
-        return ""
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+def node_name(base: str, space: str) -> str:
+    """Return a node's full name, "" while the domain has not told it."""
+    return "" if base in ("", _UNKNOWN) else f"{space.rstrip('/')}/{base}"
+
+
+def gid_of(info: TopicEndpointInfo) -> bytes:
+    """Return an endpoint's GID, without what pads it in older distributions."""
+    return bytes(info.endpoint_gid)[:GID_SIZE]
 
 
 def _hash(info: TopicEndpointInfo) -> str:

@@ -6,16 +6,28 @@ The domain, the range of discovery and the RMW are those of the environment (`RO
 
 from __future__ import annotations
 
+import uuid
+
 from rclpy.context import Context
 from rclpy.node import Node
 
+from rtron.errors import SourceError
+from rtron.vocabulary import PRIVATE_ROOT
+from rtron.wire.domain import domain_id
+from rtron.wire.ros2.endpoints import publishers_of
+from rtron.wire.ros2.interfaces import interface
+
 
 class Session:
-    """One participant of the domain; `close` ends it with all of its nodes."""
+    """One participant of the domain; `close` ends it with all of its nodes.
+
+    InputError if there is no such domain.
+    """
 
     def __init__(self, domain: int | None = None) -> None:
+        self.domain = domain_id(domain)
         self.context = Context()
-        self.context.init(args=[], domain_id=domain)
+        self.context.init(args=[], domain_id=self.domain)
         self._nodes: dict[str, Node] = {}
 
     def node(self, name: str) -> Node:
@@ -37,6 +49,21 @@ class Session:
         node = self._nodes.pop(name, None)
         if node:
             node.destroy_node()
+
+    def participant(self, name: str) -> bytes:
+        """Return which participant our node `name` is in; SourceError if the RMW does not tell.
+
+        It is seen at a publisher whose topic nobody else can know.
+        """
+        node, topic = self.node(name), f"{PRIVATE_ROOT}/self_{uuid.uuid4().hex}"
+        publisher = node.create_publisher(interface("std_msgs/Empty").cls, topic, 1)
+        try:
+            found = {each.participant for each in publishers_of(node, topic)}
+        finally:
+            node.destroy_publisher(publisher)
+        if len(found) != 1:
+            raise SourceError("this RMW does not tell which endpoints are ours", help="use a DDS")
+        return found.pop()
 
     def close(self) -> None:
         """Leave the domain."""

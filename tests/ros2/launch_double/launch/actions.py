@@ -1,9 +1,10 @@
-import os
+from pathlib import Path
 
 from launch.core import Action, normalize, perform
 from launch.event_handler import EventHandler
 from launch.event_handlers import OnProcessExit
-from launch.events import ProcessExited, ProcessStarted, Shutdown as ShutdownEvent, TimerEvent
+from launch.events import ProcessExited, ProcessStarted, TimerEvent
+from launch.events import Shutdown as ShutdownEvent
 from launch.launch_description_sources import LaunchDescriptionSource
 
 
@@ -35,14 +36,15 @@ class IncludeLaunchDescription(Action):
     def __init__(self, launch_description_source, *, launch_arguments=None, **kwargs):
         super().__init__(**kwargs)
         assert isinstance(launch_description_source, LaunchDescriptionSource)
-        self.source = launch_description_source
+        self.launch_description_source = launch_description_source
         self.launch_arguments = tuple(launch_arguments or ())
 
     def get_sub_entities(self):
-        return [self.source.get_launch_description(None)]
+        found = self.launch_description_source.try_get_launch_description_without_context()
+        return [] if found is None else [found]
 
     def execute(self, context):
-        description = self.source.get_launch_description(context)
+        description = self.launch_description_source.get_launch_description(context)
         given = [name for name, _ in self.launch_arguments]
         for argument in description.get_launch_arguments():
             if argument.default_value is None and not argument.maybe and argument.name not in given:
@@ -169,7 +171,7 @@ class ExecuteProcess(Action):
         if self.__details:
             raise RuntimeError("executed more than once")
         words = [perform(context, word) for word in self.__cmd]
-        name = self.__name or os.path.basename(words[0])
+        name = self.__name or Path(words[0]).name
         self.__details = {"action": self, "name": name, "cmd": words}
         if self.__on_exit is not None:
             on_exit = OnProcessExit(target_action=self, on_exit=self.__on_exit)

@@ -56,7 +56,7 @@ class LaunchContext:
     def perform_substitution(self, substitution):
         return substitution.perform(self)
 
-    def register_event_handler(self, handler, append=False):
+    def register_event_handler(self, handler, append=False):  # noqa: FBT002
         (self.handlers.append if append else self.handlers.appendleft)(handler)
 
     def unregister_event_handler(self, handler):
@@ -96,6 +96,9 @@ class LaunchDescription(LaunchDescriptionEntity):
     def __init__(self, initial_entities=None):
         self.entities = list(initial_entities or ())
 
+    def add_action(self, action):
+        self.entities.append(action)
+
     def visit(self, context):
         return self.entities
 
@@ -103,18 +106,18 @@ class LaunchDescription(LaunchDescriptionEntity):
         return self.entities
 
     def get_launch_arguments(self):
-        from launch.actions import DeclareLaunchArgument
+        from launch.actions import DeclareLaunchArgument  # noqa: PLC0415 - it imports this
 
         found = {}
 
-        def look(entities, maybe):
+        def look(entities, *, maybe):
             for entity in entities:
                 if isinstance(entity, DeclareLaunchArgument):
                     entity.maybe = maybe or entity.condition is not None
                     found.setdefault(entity.name, entity)
-                look(entity.describe_sub_entities(), maybe)
+                look(entity.describe_sub_entities(), maybe=maybe)
                 for _, inner in entity.describe_conditional_sub_entities():
-                    look(inner, True)
+                    look(inner, maybe=True)
 
-        look(self.entities, False)
+        look(self.entities, maybe=False)
         return list(found.values())

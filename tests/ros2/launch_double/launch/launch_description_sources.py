@@ -1,6 +1,7 @@
 import importlib.util
+from pathlib import Path
 
-from launch.core import normalize, perform
+from launch.core import LaunchContext, normalize, perform
 
 
 class LaunchDescriptionSource:
@@ -14,10 +15,17 @@ class AnyLaunchDescriptionSource(LaunchDescriptionSource):
 
     def get_launch_description(self, context):
         if self.description is None:
-            path = perform(context, self.location) if context else self.location[0].text
+            path = Path(perform(context, self.location)).absolute()
             spec = importlib.util.spec_from_loader("app", None)
             module = importlib.util.module_from_spec(spec)
-            with open(path) as file:
-                exec(compile(file.read(), path, "exec"), module.__dict__)
+            module.__file__ = str(path)
+            exec(compile(path.read_text(), path, "exec"), module.__dict__)
             self.description = module.generate_launch_description()
         return self.description
+
+    def try_get_launch_description_without_context(self):
+        """The place may depend on what only the running launch knows."""
+        try:
+            return self.get_launch_description(LaunchContext())
+        except Exception:  # noqa: BLE001 - as launch does
+            return None

@@ -44,7 +44,7 @@ class SetRemap(Action):
 
 
 class Node(ExecuteProcess):
-    def __init__(
+    def __init__(  # noqa: PLR0913 - as launch_ros has it
         self,
         *,
         executable,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.shown import shown
@@ -12,19 +11,11 @@ from rtron.vocabulary import Direction
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from rtron.vocabulary import Service
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 EVERYBODY = "/rosout"
 """The topic that nearly every node publishes: it tells which participant a node lives in."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Service:
-    """A service that a node offers; `type` is in ROS 2's spelling."""
-
-    node: str
-    name: str
-    type: str
 
 
 class Seen:
@@ -40,8 +31,12 @@ class Seen:
         self.nodes = tuple(nodes)
         self.services = tuple(services)
         self._by_topic: dict[tuple[str, Direction], list[Ros2Endpoint]] = defaultdict(list)
+        self.participants: dict[str, set[bytes]] = defaultdict(set)
+        """The participants that have each node name."""
         for end in self.ends:
             self._by_topic[end.topic, end.direction].append(end)
+            if end.node:
+                self.participants[end.node].add(end.participant)
 
     def publishers(self, topic: str) -> Sequence[Ros2Endpoint]:
         """Return who publishes a topic."""
@@ -50,14 +45,6 @@ class Seen:
     def subscribers(self, topic: str) -> Sequence[Ros2Endpoint]:
         """Return who subscribes a topic."""
         return self._by_topic.get((topic, Direction.SUBSCRIBE), ())
-
-    def participants(self) -> dict[str, set[bytes]]:
-        """Return the participants that have each node name."""
-        found: dict[str, set[bytes]] = defaultdict(set)
-        for end in self.ends:
-            if end.node:
-                found[end.node].add(end.participant)
-        return found
 
 
 def told(end: Ros2Endpoint) -> str:

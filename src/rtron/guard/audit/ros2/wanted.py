@@ -10,44 +10,48 @@ from rtron.guard.audit.expectations import Entrance, is_open, meant
 from rtron.vocabulary import (
     GUARD_NODE,
     PRIVATE_ROOT,
+    SUPERVISOR_NODE,
+    ActionEnd,
     Mode,
     Plan,
+    PlannedService,
     PlannedTopic,
     Stream,
+    end_name,
     flow_topic,
     normalise_type,
     output_topic,
+    planned_services,
     planned_topics,
     stage_nodes,
     streams,
 )
 from rtron.vocabulary.planned import ANYBODY
 
-_CALLED = ("send_goal", "cancel_goal")
-_TOLD = ("feedback", "status")
+_MOVING = (ActionEnd.SEND_GOAL, ActionEnd.CANCEL_GOAL)
 
 
 class Wanted:
     """Who may speak on each topic that an enforced stream has closed.
 
-    `guarding` are the guard's nodes on these streams, `own` all of them. `outputs` are the private
-    outputs by their public names, `types` the streams' types by their public names.
+    `guarding` are the guard's nodes on these streams, `own` all of them and the supervisor's.
+    `outputs` are the private outputs by their public names, `types` the streams' types by theirs.
     """
 
     def __init__(self, plan: Plan) -> None:
         enforced = [stream for stream in streams(plan) if stream.mode is Mode.ENFORCE]
-        actions = [stream for stream in enforced if is_action(stream)]
+        actions = [stream for stream in enforced if stream.by_request]
         self.actions = frozenset(stream.topic for stream in actions)
-        plain = (topic for topic in planned_topics(plan) if topic.guarded not in self.actions)
-        served = (topic for stream in actions for topic in _served(stream))
-        self.topics = {topic.topic: topic for topic in (*plain, *served)}
+        closed = frozenset(stream.topic for stream in actions if stream.block_unapproved)
+        planned = (*planned_topics(plan), *_served(plan, closed))
+        self.topics = {topic.topic: topic for topic in planned}
         self.entrances = tuple(way for stream in enforced for way in _entrances(stream))
         self.outputs = dict(pair for stream in enforced for pair in _outputs(stream))
         self.types = {each.topic: normalise_type(each.type) for each in enforced}
         self.guarding = frozenset(
             {GUARD_NODE, *(node for stream in enforced for node in stage_nodes(stream))}
         )
-        self.own = self.guarding.union(*map(stage_nodes, streams(plan)))
+        self.own = self.guarding.union({SUPERVISOR_NODE}, *map(stage_nodes, streams(plan)))
         named = {name for t in self.topics.values() for name in (*t.publishers, *t.subscribers)}
         self._nodes = tuple(sorted(named - self.own - {ANYBODY}))
 
@@ -73,11 +77,6 @@ class Wanted:
         return not is_open(topic) and any(name not in self.own for name in topic.subscribers)
 
 
-def is_action(stream: Stream) -> bool:
-    """Tell whether a stream is an action of ROS 2."""
-    return "/action/" in stream.type
-
-
 def is_service(topic: str) -> bool:
     """Tell whether a topic is one of a service's two."""
     return not topic.startswith("/")
@@ -99,52 +98,43 @@ def _reply_topic(service: str) -> str:
     return f"rr{service}Reply"
 
 
-def _part(action: str, part: str) -> str:
-    return f"{action}/_action/{part}"
-
-
 def _outputs(stream: Stream) -> Iterator[tuple[str, str]]:
-    if not is_action(stream):
+    if not stream.by_request:
         yield stream.topic, output_topic(stream.topic)
         return
-    for part in _CALLED:
+    for end in _MOVING:
         public, private = stream.topic, output_topic(stream.topic)
-        yield request_topic(_part(public, part)), request_topic(_part(private, part))
+        yield request_topic(end_name(public, end)), request_topic(end_name(private, end))
 
 
 def _entrances(stream: Stream) -> Iterator[Entrance]:
     for flow in stream.flows:
         public, private = stream.topic, flow_topic(stream.topic, flow.name)
         names = [(public, private)]
-        if is_action(stream):
-            parts = [(_part(public, each), _part(private, each)) for each in _CALLED]
-            names = [(request_topic(one), request_topic(other)) for one, other in parts]
+        if stream.by_request:
+            ends = [(end_name(public, each), end_name(private, each)) for each in _MOVING]
+            names = [(request_topic(one), request_topic(other)) for one, other in ends]
         for outside, inside in names:
             yield Entrance(public=outside, private=inside, publishers=(flow.publisher,))
 
 
-def _served(stream: Stream) -> Iterator[PlannedTopic]:
-    """Yield what an action needs: the guard serves the flows and the public name, and calls out."""
-    nodes = stage_nodes(stream)
-    for flow in stream.flows:
-        yield from _action(stream, flow_topic(stream.topic, flow.name), (flow.publisher,), nodes)
-    yield from _action(stream, output_topic(stream.topic), nodes, stream.successors)
-    yield from _action(stream, stream.topic, (ANYBODY,), nodes)
+def _served(plan: Plan, closed: frozenset[str]) -> Iterator[PlannedTopic]:
+    """Yield the requests and replies of the actions' services.
 
-
-def _action(
-    stream: Stream, action: str, clients: tuple[str, ...], servers: tuple[str, ...]
-) -> Iterator[PlannedTopic]:
-    for part in _CALLED:
-        yield _planned(stream, request_topic(_part(action, part)), clients, servers)
-        yield _planned(stream, _reply_topic(_part(action, part)), servers, clients)
-    for part in _TOLD:
-        yield _planned(stream, _part(action, part), servers, clients)
+    Who only asks for a result moves nothing. `closed` are the actions that strangers may not use.
+    """
+    for each in planned_services(plan):
+        public = each.service.startswith(f"{each.guarded}/")
+        clients = each.servers if public and each.guarded in closed else each.clients
+        if not each.service.endswith(ActionEnd.GET_RESULT):
+            yield _planned(each, request_topic(each.service), clients, each.servers)
+        yield _planned(each, _reply_topic(each.service), each.servers, clients)
 
 
 def _planned(
-    stream: Stream, topic: str, publishers: tuple[str, ...], subscribers: tuple[str, ...]
+    service: PlannedService, topic: str, publishers: tuple[str, ...], subscribers: tuple[str, ...]
 ) -> PlannedTopic:
+    guarded = service.guarded
     return PlannedTopic(
-        topic=topic, guarded=stream.topic, publishers=publishers, subscribers=subscribers
+        topic=topic, guarded=guarded, publishers=publishers, subscribers=subscribers
     )

@@ -7,24 +7,18 @@ the loop's thread.
 from __future__ import annotations
 
 import atexit
-import contextlib
 import logging
 import threading
-import uuid
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as implementation
 
-from rtron.errors import SourceError
-from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT
+from rtron.vocabulary import GUARD_NODE
 from rtron.wire.ros2.endpoints import Ros2Endpoint, publishers_of, subscribers_of
-from rtron.wire.ros2.interfaces import interface
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from rclpy.node import Node
 
     from rtron.guard.loop import Loop
     from rtron.guard.transport.ros2.rcl import Rcl
@@ -62,7 +56,7 @@ class Graph:
         self._rcl = rcl
         self._ends: dict[str, Ends] = {}
         self.changed: list[Callable[[], None]] = []
-        self.participant = _participant_of(self._node)
+        self.participant = session.participant(GUARD_NODE)
         """Which participant we are."""
         self._due = False
         self._ending = False
@@ -150,17 +144,3 @@ class Graph:
         self._rcl.watch_graph(waiting.pointer, self._node.handle.pointer)
         waiting.wait(_LONGEST_WAIT_NS)
         return bool(waiting.get_ready_entities("guard_condition"))
-
-
-def _participant_of(node: Node) -> bytes:
-    """Return which participant a node belongs to, from a topic whose name nobody else knows."""
-    topic = f"{PRIVATE_ROOT}/self_{uuid.uuid4().hex}"
-    publisher = node.create_publisher(interface("std_msgs/Empty").cls, topic, 1)
-    try:
-        found = publishers_of(node, topic)
-    finally:
-        node.destroy_publisher(publisher)
-    with contextlib.suppress(ValueError):
-        (own,) = found
-        return own.participant
-    raise SourceError("this RMW does not tell which endpoints are ours", help="use Fast DDS")

@@ -18,7 +18,7 @@ from rtron.guard.transport.ros2.reader import Reader
 from rtron.guard.transport.transport import Peer, TypeInfo
 from rtron.messages.definition_text import parse_definition
 from rtron.messages.whole import whole
-from rtron.vocabulary import SECOND, Durability, QoS, Reliability
+from rtron.vocabulary import SECOND, Durability, QoS, Reliability, normalise_type
 from rtron.wire.ros2.interfaces import Interface, interface
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ log = logging.getLogger(__name__)
 _AWAIT_NAME = SECOND
 _MOST_UNNAMED = 64
 _MOST_READERS = 8
+_MOST_NAMES = 64
 
 _Kind = tuple[type, Reliability, Durability]
 
@@ -53,9 +54,17 @@ class Subscription:
     """Hands each publisher's messages to what `connect` gave for it, and tells who has left."""
 
     def __init__(
-        self, node: Node, topic: str, connect: Connect, lost: Lost, shared: Surroundings
+        self,
+        node: Node,
+        topic: str,
+        type: str,
+        connect: Connect,
+        lost: Lost,
+        shared: Surroundings,
     ) -> None:
+        """Hear publishers of one type, "" for any."""
         self.topic = topic
+        self._type = normalise_type(type)
         self._node = node
         self._connect = connect
         self._lost = lost
@@ -110,6 +119,9 @@ class Subscription:
         )
 
     def _offered(self, endpoint: Ros2Endpoint, peer: Peer) -> _Sender:
+        if self._type not in ("", normalise_type(endpoint.type)):
+            self._complain(peer, f"is not heard: it publishes {endpoint.type}, not {self._type}")
+            return _Sender(peer, None)
         try:
             found = interface(endpoint.type)
         except SourceError as error:
@@ -171,8 +183,9 @@ class Subscription:
             self._lost(sender.peer)
 
     def _complain(self, peer: Peer, why: str) -> None:
-        if self._seldom.may_say((peer.node, why[:20]), self._shared.loop.now()):
-            log.error("%s: %s %s", self.topic, peer.node or "a node without a name", why)
+        """Tell what is not heard of a publisher, at most once a second of each."""
+        if self._seldom.may_say(hash(peer.node) % _MOST_NAMES, self._shared.loop.now()):
+            self._shared.complain(self.topic, peer.node, why)
 
 
 def _info_of(endpoint: Ros2Endpoint) -> TypeInfo:

@@ -6,17 +6,23 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rtron.guard.loop import Loop
     from rtron.guard.transport.ros2.graph import Graph
     from rtron.guard.transport.ros2.owners import Owners
     from rtron.guard.transport.ros2.rcl import Rcl
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Surroundings:
-    """The loop, rcl's calls, the graph, and whose the node names in it are."""
+    """The loop, rcl's calls, the graph, and whose the node names in it are.
+
+    `complain` is told what of a node's words on a topic is not heard, and why.
+    """
 
     loop: Loop
     rcl: Rcl
     graph: Graph
     owners: Owners
+    complain: Callable[[str, str, str], None]

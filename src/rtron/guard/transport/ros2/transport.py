@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 from rtron.guard.transport.ros2.action_ends import ActionEnds
@@ -16,10 +17,14 @@ from rtron.messages.encoding import Encoding
 from rtron.wire.ros2.interfaces import interface
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rtron.guard.action.ros2.ends import Hears
     from rtron.guard.loop import Loop
     from rtron.vocabulary import Stream
     from rtron.wire.ros2.session import Session
+
+log = logging.getLogger(__name__)
 
 
 class Ros2Transport:
@@ -34,11 +39,15 @@ class Ros2Transport:
         self.owners = Owners()
         self.now = loop.now
         self.call_at = loop.call_at
-        self._shared = Surroundings(loop, self.rcl, self.graph, self.owners)
+        self._shared = Surroundings(loop, self.rcl, self.graph, self.owners, _log)
         self._publications: list[Publication] = []
         self._subscriptions: list[Subscription] = []
         self._actions: list[ActionEnds] = []
         self.graph.changed.append(self._look_at_names)
+
+    def tell(self, complain: Callable[[str, str, str], None]) -> None:
+        """Tell what is not heard (topic, node, why) here instead of in the log."""
+        self._shared.complain = complain
 
     def advertise(
         self,
@@ -56,9 +65,8 @@ class Ros2Transport:
         self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
-        del type
         own = self.session.node(node)
-        self._subscriptions.append(Subscription(own, topic, connect, lost, self._shared))
+        self._subscriptions.append(Subscription(own, topic, type, connect, lost, self._shared))
 
     def action_ends(self, stream: Stream, node: str, hears: Hears) -> ActionEnds:
         """Return the services and topics of an action; see `CarriesRequests`."""
@@ -109,3 +117,7 @@ class Ros2Transport:
         """Know whose each name is, before anybody asks."""
         ends = self.graph.watched()
         self.owners.look((e.node, e.participant) for each in ends for e in each.publishers)
+
+
+def _log(topic: str, node: str, why: str) -> None:
+    log.error("%s: %s %s", topic, node or "a node without a name", why)

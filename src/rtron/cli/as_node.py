@@ -1,0 +1,14 @@
+"""`rtron guard` as ROS 2 starts it: `ros2 run rtron guard`, or a `Node` of a launch file."""
+
+import sys
+
+from rtron.cli.main import main
+
+_ROS_ARGS = "--ros-args"
+
+
+def guard() -> None:
+    """Run the guard; what ROS appends behind `--ros-args` is for nodes that use rcl's parser."""
+    own = sys.argv[1:]
+    sys.argv[1:] = ["guard", *(own[: own.index(_ROS_ARGS)] if _ROS_ARGS in own else own)]
+    main()

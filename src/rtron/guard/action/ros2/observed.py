@@ -1,0 +1,20 @@
+"""An action of ROS 2 whose plan only observes: requests cannot be seen by a third."""
+
+import logging
+
+from rtron.guard.guarded import GuardedStream
+
+log = logging.getLogger(__name__)
+
+
+class ObservedAction(GuardedStream):
+    """Stands in the reports of the guard, and sees nothing: goals go from client to server."""
+
+    def open(self) -> None:
+        """Stay out of the graph."""
+        log.warning("%s: goals are requests and cannot be observed: enforce", self.stream.topic)
+
+    @property
+    def details(self) -> dict[str, str]:
+        """What there is to tell beside the flows."""
+        return {"goals": "requests, which nobody else can see"}

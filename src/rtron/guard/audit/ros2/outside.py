@@ -1,0 +1,60 @@
+"""Looking at a ROS 2 domain once, from outside: as a participant that speaks to nobody."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from rtron.errors import SourceError
+from rtron.guard.audit.ros2.announcing import announce_often
+from rtron.guard.audit.ros2.reading import Reader
+from rtron.guard.audit.ros2.seen import EVERYBODY
+from rtron.guard.audit.ros2.verification import verify_ros2
+from rtron.guard.audit.ros2.wanted import Wanted
+
+if TYPE_CHECKING:
+    from rtron.guard.audit.ros2.seen import Seen
+    from rtron.guard.audit.verification import Verification
+    from rtron.vocabulary import Plan
+
+_NODE = "/rtron_verify"
+_LOOK_S = 0.1
+_QUIET_S = 3.5
+"""Longer than the 3 s after which Fast DDS repeats an announcement."""
+_SHORTEST_S = 5.0
+_HELP = "is the app running? see ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, RMW_IMPLEMENTATION"
+_HELP_RCLPY = "pip install rtron[ros2], or source your ROS"
+
+
+def verify_domain(plan: Plan, timeout: float) -> Verification:
+    """Audit the app that runs in the environment's domain, once what is told of it has settled.
+
+    That is when nothing has changed for 3.5 s, or after `timeout` seconds and at least 5.
+    SourceError if there is no rclpy, or nobody in the domain.
+    """
+    try:
+        from rtron.wire.ros2.session import Session  # noqa: PLC0415 - only where ROS 2 is chosen
+    except ImportError as error:
+        raise SourceError("ROS 2 is not there: no rclpy", help=_HELP_RCLPY) from error
+    announce_often()
+    session = Session()
+    try:
+        topics = (*Wanted(plan).topics, EVERYBODY)
+        seen = _settled(Reader(session.node(_NODE)), topics, max(timeout, _SHORTEST_S))
+    finally:
+        session.close()
+    return verify_ros2(plan, seen)
+
+
+def _settled(reader: Reader, topics: tuple[str, ...], limit: float) -> Seen:
+    began = quiet = time.monotonic()
+    before: object = None
+    while (now := time.monotonic()) - began < limit and now - quiet < _QUIET_S:
+        state = (tuple(reader.ends(topics)), reader.nodes())
+        if state != before or not set(state[1]) - {_NODE}:
+            before, quiet = state, now
+        time.sleep(_LOOK_S)
+    seen = reader.seen(topics)
+    if not set(seen.nodes) - {_NODE}:
+        raise SourceError("nothing can be verified: nobody is in the ROS 2 domain", help=_HELP)
+    return seen

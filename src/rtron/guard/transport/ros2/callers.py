@@ -1,0 +1,97 @@
+"""Whose a request is: a node of the participant that sent it, as the graph tells.
+
+A client of an action also subscribes its topics (rcl_action), so the graph names its node there.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from rtron.guard.transport.ros2.owners import Owners
+from rtron.guard.transport.transport import Peer, TypeInfo
+from rtron.vocabulary import SECOND, TOLD, end_name, names_node
+from rtron.wire.ros2.endpoints import PARTICIPANT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rtron.guard.transport.ros2.surroundings import Surroundings
+    from rtron.wire.ros2.endpoints import Ros2Endpoint
+
+    Take = Callable[[Peer], None]
+
+_AWAIT_NAME = SECOND
+_MOST_UNNAMED = 256
+_NAMELESS = "a node without a name"
+
+
+class Callers:
+    """Names the senders of requests under one name of an action; the nameless wait a moment."""
+
+    def __init__(self, action: str, publisher: str, info: TypeInfo, shared: Surroundings) -> None:
+        self._topics = [end_name(action, end) for end in TOLD]
+        self._publisher = publisher
+        self._info = info
+        self._graph = shared.graph
+        self._loop = shared.loop
+        self._owners = Owners()
+        self._unnamed: deque[tuple[int, bytes, Take]] = deque()
+        for topic in self._topics:
+            self._graph.watch(topic)
+        self._graph.changed.append(self.update)
+
+    def close(self) -> None:
+        """Name nobody any more."""
+        self._graph.changed.remove(self.update)
+
+    def name(self, place: bytes, take: Take) -> None:
+        """Call `take` with the sender of a request, now or when the graph knows it."""
+        participant = place[:PARTICIPANT]
+        peer = self._peer(participant)
+        if peer or len(self._unnamed) >= _MOST_UNNAMED:
+            take(peer or self._stranger(participant))
+        else:
+            self._unnamed.append((self._loop.now(), participant, take))
+            for topic in self._topics:
+                self._graph.look(topic)
+
+    def update(self) -> None:
+        """Take what the graph says: name who has waited for it, or waited for too long."""
+        ends = self._graph.watched()
+        everybody = [e for each in ends for e in (*each.publishers, *each.subscribers)]
+        self._owners.look((e.node, e.participant) for e in everybody)
+        now, waiting = self._loop.now(), list(self._unnamed)
+        self._unnamed.clear()
+        for since, participant, take in waiting:
+            peer = self._peer(participant)
+            if peer or now - since >= _AWAIT_NAME:
+                take(peer or self._stranger(participant))
+            else:
+                self._unnamed.append((since, participant, take))
+
+    def _nodes(self, participant: bytes) -> list[str]:
+        """Return the nodes of a participant that are clients here."""
+        ends = (self._graph.ends(topic).subscribers for topic in self._topics)
+        return [e.node for each in ends for e in each if _is_of(e, participant)]
+
+    def _peer(self, participant: bytes) -> Peer | None:
+        """Return the sender, None while it may turn out to be approved.
+
+        Of several nodes in one process it is the one that is approved here.
+        """
+        nodes = self._nodes(participant)
+        approved = [node for node in nodes if names_node(self._publisher, node)]
+        for node in approved:
+            if self._owners.has(node, participant):
+                return Peer(node, self._info)
+        return self._stranger(participant) if nodes and not approved else None
+
+    def _stranger(self, participant: bytes) -> Peer:
+        """Return a sender that is not approved, or whose name is another's."""
+        nodes = self._nodes(participant)
+        return Peer(next(iter(nodes), _NAMELESS), self._info, verified=False)
+
+
+def _is_of(endpoint: Ros2Endpoint, participant: bytes) -> bool:
+    return bool(endpoint.node) and endpoint.participant == participant

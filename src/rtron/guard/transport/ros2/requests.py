@@ -1,0 +1,151 @@
+"""Requests and answers through rcl's C interface (rcl/service.h, rcl/client.h, rmw/types.h).
+
+rclpy does not tell who sent a request, and makes no place to answer at but those it gave out
+itself. rcl does: whose a request is, the first 12 bytes of its writer's GUID say, and a place is
+that GUID with a number, which a guard can leave to the next one.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from contextlib import contextmanager
+from ctypes import Structure, byref, c_bool, c_int, c_int64, c_uint8, c_void_p, py_object
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from rtron.errors import WireError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_OK, _LATE = 0, 2
+_NOTHING = frozenset({401, 501, 601})
+_GUID = 16
+PLACE_SIZE = _GUID + 8
+"""The size of the place of a request: the writer's GUID, and the number of its request."""
+
+
+class _Place(Structure):
+    """rmw_request_id_t."""
+
+    _fields_ = (("guid", c_uint8 * _GUID), ("number", c_int64))
+
+
+class _Info(Structure):
+    """rmw_service_info_t."""
+
+    _fields_ = (("sent", c_int64), ("received", c_int64), ("place", _Place))
+
+
+class _Shape:
+    """How messages of a class become rcl's, and back (rosidl_generator_py)."""
+
+    def __init__(self, cls: Any) -> None:  # noqa: ANN401 - a generated class
+        meta = type(cls)
+        if meta._TYPE_SUPPORT is None:  # noqa: SLF001 - as rclpy does
+            meta.__import_type_support__()
+        self.create = ctypes.CFUNCTYPE(c_void_p)(_address(meta._CREATE_ROS_MESSAGE))  # noqa: SLF001
+        self.destroy = ctypes.CFUNCTYPE(None, c_void_p)(_address(meta._DESTROY_ROS_MESSAGE))  # noqa: SLF001
+        fill = ctypes.PYFUNCTYPE(c_bool, py_object, c_void_p)
+        self.fill = fill(_address(meta._CONVERT_FROM_PY))  # noqa: SLF001
+        self.read = ctypes.PYFUNCTYPE(py_object, c_void_p)(_address(meta._CONVERT_TO_PY))  # noqa: SLF001
+
+    @contextmanager
+    def made(self) -> Iterator[int]:
+        """Give an empty message of rcl's."""
+        message = self.create()
+        try:
+            yield message
+        finally:
+            self.destroy(message)
+
+
+class Requests:
+    """The calls; services and clients are rclpy's handles, messages rclpy's objects."""
+
+    def __init__(self) -> None:
+        rcl, utils = ctypes.CDLL("librcl.so"), ctypes.CDLL("librcutils.so")
+        self._take_request = _function(rcl.rcl_take_request_with_info)
+        self._send_response = _function(rcl.rcl_send_response)
+        self._take_response = _function(rcl.rcl_take_response_with_info)
+        self._send_request = _function(rcl.rcl_send_request)
+        self._reset = utils.rcutils_reset_error
+        self._reset.restype, self._reset.argtypes = None, ()
+
+    def take_request(self, service: Any, cls: type) -> tuple[bytes, Any] | None:  # noqa: ANN401
+        """Return the place of the next request and the request; None if there is none.
+
+        WireError if it cannot be read.
+        """
+        info = _Info()
+        request = self._taken(self._take_request, service, cls, info)
+        return None if request is None else (bytes(info.place), request)
+
+    def respond(self, service: Any, place: bytes, response: object) -> None:  # noqa: ANN401
+        """Answer a request; one whose client is gone, or not there yet, stays unanswered."""
+        cls: Any = type(response)
+        shape = _shape(cls)
+        with shape.made() as message:
+            shape.fill(response, message)
+            to = _Place.from_buffer_copy(place)
+            code = self._send_response(service.pointer, byref(to), message)
+        if code != _LATE:
+            self._check(code, "answer a request")
+        self._reset()
+
+    def request(self, client: Any, request: object) -> int:  # noqa: ANN401 - rclpy's handle
+        """Send a request; return its number."""
+        cls: Any = type(request)
+        shape, number = _shape(cls), c_int64()
+        with shape.made() as message:
+            shape.fill(request, message)
+            self._check(self._send_request(client.pointer, message, byref(number)), "ask")
+        return number.value
+
+    def take_response(self, client: Any, cls: type) -> tuple[int, Any] | None:  # noqa: ANN401
+        """Return the number of the request that is answered next, and the answer.
+
+        WireError if it cannot be read.
+        """
+        info = _Info()
+        response = self._taken(self._take_response, client, cls, info)
+        return None if response is None else (info.place.number, response)
+
+    def _taken(self, take: Any, handle: Any, cls: type, info: _Info) -> Any:  # noqa: ANN401
+        shape = _shape(cls)
+        with shape.made() as message:
+            code = take(handle.pointer, byref(info), message)
+            if code in _NOTHING:
+                self._reset()
+                return None
+            self._check(code, "take a request or an answer")
+            try:
+                return shape.read(message)
+            except (ValueError, AssertionError) as error:
+                raise WireError(f"it is no {cls.__name__}: {error}") from error
+
+    def _check(self, code: int, what: str) -> None:
+        if code != _OK:
+            self._reset()
+            raise WireError(f"rcl cannot {what}: error {code}")
+
+
+@lru_cache(maxsize=256)
+def _shape(cls: Any) -> _Shape:  # noqa: ANN401 - a generated class
+    return _Shape(cls)
+
+
+def _address(capsule: object) -> int:
+    """Return what a capsule of a generated class holds."""
+    python = ctypes.pythonapi
+    python.PyCapsule_GetName.restype = ctypes.c_char_p
+    python.PyCapsule_GetName.argtypes = (py_object,)
+    python.PyCapsule_GetPointer.restype = c_void_p
+    python.PyCapsule_GetPointer.argtypes = (py_object, ctypes.c_char_p)
+    address: int = python.PyCapsule_GetPointer(capsule, python.PyCapsule_GetName(capsule))
+    return address
+
+
+def _function(function: Any) -> Any:  # noqa: ANN401 - ctypes
+    function.restype, function.argtypes = c_int, (c_void_p, c_void_p, c_void_p)
+    return function

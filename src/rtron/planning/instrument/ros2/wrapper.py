@@ -1,0 +1,49 @@
+"""The launch file that starts an app guarded: ours around the app's own, which stays as it is.
+
+It is Python that reads as a table and a hundred lines of `launch`'s public API; it needs no RTron
+where it runs. What its own text says of launch and launch_ros holds from Humble on.
+"""
+
+import re
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from pprint import pformat
+
+from rtron.errors import InputError
+from rtron.planning.instrument.wiring import private_names
+from rtron.vocabulary import Stream
+
+PrivateNames = Mapping[str, Mapping[str, str]]
+"""Each node of a plan, a name or a pattern, with its private names by the public ones."""
+
+_TEMPLATE = "wrapper.py.in"
+_MARK = "Starts the app guarded. Written by `rtron instrument`"
+_HOLE = re.compile(r"__(APP|GUARD|REMAPS)__")
+
+
+def remap_table(enforced: tuple[Stream, ...]) -> PrivateNames:
+    """Return the private names of every node that the plan has in an enforced stream."""
+    flows = (flow.publisher for stream in enforced for flow in stream.flows)
+    follow = (node for stream in enforced for node in stream.successors)
+    return {name: private_names(name, enforced) for name in sorted({*flows, *follow})}
+
+
+def wrapper_text(app: str, table: PrivateNames, guard: str = "") -> str:
+    """Return the launch file that includes `app`.
+
+    Before it starts `guard`, a script whose path is from the launch file's own folder.
+    """
+    template = files("rtron.planning.instrument.ros2").joinpath(_TEMPLATE).read_text()
+    names = {node: dict(private) for node, private in table.items()}
+    filled = {"APP": app, "GUARD": guard, "REMAPS": names}
+    return _HOLE.sub(lambda hole: pformat(filled[hole[1]], width=88, sort_dicts=False), template)
+
+
+def is_wrapper(path: str) -> bool:
+    """Tell whether a launch file is one of ours; raise InputError if it cannot be read."""
+    try:
+        with Path(path).open(errors="replace") as file:
+            return path.endswith(".py") and _MARK in file.read(len(_MARK) + 10)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", path=path) from None

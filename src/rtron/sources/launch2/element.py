@@ -1,0 +1,67 @@
+"""A launch file of ROS 2 as elements, whether it was written in XML or in YAML."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.launch.document import line_of, parse_xml
+from rtron.sources.launch2.yaml_elements import YamlBody, yaml_body
+
+_YAML = (".yaml", ".yml")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Element:
+    """An action of a launch file, or what belongs to one.
+
+    `place` counts the elements of an XML text in document order, the root being 0; in YAML it is
+    where the element's value begins in the text, in characters.
+    """
+
+    tag: str
+    attributes: Mapping[str, str]
+    children: tuple["Element", ...]
+    place: int
+    line: int
+
+    def named(self, tag: str) -> Iterator["Element"]:
+        """Yield the children of one kind."""
+        return (child for child in self.children if child.tag == tag)
+
+
+def parse_elements(path: str) -> Element:
+    """Return a launch file's `launch` element; raise InputError where it has none or is unsafe."""
+    root = _yaml(path) if path.endswith(_YAML) else _xml(path)
+    if root.tag != "launch":
+        raise InputError(f"begins with <{root.tag}>, not with <launch>", path=path)
+    return root
+
+
+def _xml(path: str) -> Element:
+    root = parse_xml(Path(path))
+    made: dict[object, Element] = {}
+    listed = list(root.iter("*"))
+    for place, element in reversed(list(enumerate(listed))):
+        made[element] = Element(
+            tag=str(element.tag),
+            attributes={str(name): str(value) for name, value in element.attrib.items()},
+            children=tuple(made[child] for child in element if child in made),
+            place=place,
+            line=line_of(element),
+        )
+    return made[root]
+
+
+def _yaml(path: str) -> Element:
+    return _of_body(yaml_body(path))
+
+
+def _of_body(body: YamlBody) -> Element:
+    return Element(
+        tag=body.tag,
+        attributes=body.attributes,
+        children=tuple(map(_of_body, body.children)),
+        place=body.place,
+        line=body.line,
+    )

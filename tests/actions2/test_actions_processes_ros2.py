@@ -1,0 +1,52 @@
+"""A guarded action with every part a process: remapped nodes, the guard and its supervisor."""
+
+import os
+import re
+import signal
+
+import pytest
+
+pytest.importorskip("rclpy")
+from harness import wait_for
+
+from rtron.vocabulary import ActionEnd, end_name
+
+pytestmark = pytest.mark.ros2
+
+PLAN = """\
+app: fib
+ros: 2
+grcn:
+  - topic: /fib
+    type: test_msgs/action/Fibonacci
+    mode: enforce
+    policy: FIFO_Queue
+    max_age: 60 s
+    flows: [{name: flow1, publisher: /one}, {name: flow2, publisher: /two}]
+    successors: [/server]
+"""
+
+
+def remaps(private):
+    return [f"{end_name('/fib', end)}:={end_name(private, end)}" for end in ActionEnd]
+
+
+def guards(supervisor):
+    """Return the guards that a supervisor has started, by what it says."""
+    return [int(pid) for pid in re.findall(r"the guard begins, process (\d+)", supervisor.log)]
+
+
+def test_a_guard_that_is_killed_mid_goal_costs_no_answer(ros2, tmp_path):
+    plan = tmp_path / "rtron.yaml"
+    plan.write_text(PLAN)
+    server = ros2.node("fib_server2.py", name="/server", remaps=remaps("/rtron/fib/out"))
+    guard = ros2.rtron("guard", "--plan", plan)
+    one = ros2.node("fib_client2.py", 0, 500, 7, name="/one", remaps=remaps("/rtron/fib/flow1"))
+    wait_for(lambda: "started 500" in server.log, what="the long goal")
+    eve = ros2.node("fib_client2.py", 9, name="/eve")
+    wait_for(lambda: "9 rejected" in eve.log, what="a stranger's goal to be rejected")
+    os.kill(guards(guard)[0], signal.SIGKILL)
+    wait_for(lambda: "done" in one.log, what="the answers", limit_s=60)
+    assert one.log.split() == "ready 0 4 [0] 500 4 [500] 7 4 [7] done".split()
+    assert "started 9" not in server.log
+    assert len(guards(guard)) == 2

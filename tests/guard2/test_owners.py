@@ -1,0 +1,53 @@
+"""Whose a node name is in ROS 2, where two may have one."""
+
+from rtron.guard.transport.ros2.owners import Owners
+
+ONE, TWO = b"participant1", b"participant2"
+
+
+def after(*looks):
+    owners = Owners()
+    for look in looks:
+        owners.look(look)
+    return owners
+
+
+def test_a_name_is_its_first_participants():
+    owners = after([("/nav", ONE)], [("/nav", ONE), ("/nav", TWO)])
+    assert owners.has("/nav", ONE)
+    assert not owners.has("/nav", TWO)
+
+
+def test_the_second_has_it_once_the_first_has_left():
+    owners = after([("/nav", ONE)], [("/nav", ONE), ("/nav", TWO)], [("/nav", TWO)])
+    assert owners.has("/nav", TWO)
+    assert not owners.has("/nav", ONE)
+
+
+def test_of_two_who_come_at_once_neither_has_it_until_one_leaves():
+    both = [("/nav", ONE), ("/nav", TWO)]
+    owners = after(both, both)
+    assert not owners.has("/nav", ONE)
+    assert not owners.has("/nav", TWO)
+    owners.look([("/nav", TWO)])
+    assert owners.has("/nav", TWO)
+
+
+def test_a_participant_may_have_many_nodes_and_each_many_endpoints():
+    owners = after([("/nav", ONE), ("/nav", ONE), ("/map", ONE), ("/teleop", TWO)])
+    assert owners.has("/nav", ONE)
+    assert owners.has("/map", ONE)
+    assert owners.has("/teleop", TWO)
+    assert not owners.has("/teleop", ONE)
+
+
+def test_nobody_has_no_name_or_one_that_is_not_there():
+    owners = after([("", ONE)])
+    assert not owners.has("", ONE)
+    assert not owners.has("/nav", ONE)
+
+
+def test_who_has_left_and_come_back_after_another_has_it_no_more():
+    owners = after([("/nav", ONE)], [("/nav", TWO)], [("/nav", ONE), ("/nav", TWO)])
+    assert owners.has("/nav", TWO)
+    assert not owners.has("/nav", ONE)
