@@ -24,6 +24,7 @@ from bench import (
     memory,
     policies,
     replay,
+    ros2_audit,
     ros2_discovery,
     ros2_hop,
     rules,
@@ -59,6 +60,7 @@ PARTS: dict[str, Part] = {
 ROS2_PARTS: dict[str, Part] = {
     "ros2_discovery": ros2_discovery.figures,
     "ros2_hop": ros2_hop.figures,
+    "ros2_audit": ros2_audit.figures,
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
 HERE = ROS2_PARTS if find_spec("rclpy") else PARTS

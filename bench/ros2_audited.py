@@ -9,7 +9,6 @@ from geometry_msgs.msg import Twist
 
 from bench.ros2_scene import DRIVER, FLOW, OPEN, OUT
 from bench.way import PUBLISHER
-from rtron.guard.audit.ros2.announcing import announce_often
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.host import Host
 from rtron.guard.loop import Loop
@@ -17,6 +16,7 @@ from rtron.guard.run import run_host
 from rtron.guard.transport.ros2.transport import Ros2Transport
 from rtron.planning.read import read_plan
 from rtron.vocabulary import streams
+from rtron.wire.ros2.announcing import announce_often
 from rtron.wire.ros2.session import Session
 
 _PERIOD_S = 0.001

@@ -3,7 +3,7 @@
 import pytest
 from defusedxml.ElementTree import parse
 
-from rtron.guard.audit.ros2.announcing import announce_often
+from rtron.wire.ros2.announcing import announce_often
 
 NAMES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
 SPACE = "{http://www.eprosima.com}"

@@ -32,10 +32,10 @@ from rtron.guard.alarms import Alarms
 from rtron.guard.audit.response import Response
 from rtron.guard.audit.ros2.alarms import AWAIT_NAME, doubles, drifts, strangers
 from rtron.guard.audit.ros2.cases import Cases
-from rtron.guard.audit.ros2.lives import LEASE, Lives
 from rtron.guard.audit.ros2.seen import Seen
 from rtron.guard.audit.ros2.wanted import Wanted
 from rtron.guard.transport.memory import MemoryTransport
+from rtron.guard.transport.ros2.lives import LEASE, Lives
 from rtron.vocabulary import (
     GUARD_NODE,
     SUPERVISOR_NODE,

@@ -9,7 +9,7 @@ from harness import wait_for
 pytest.importorskip("rclpy")
 from base2 import CMD_VEL, FLOW1, GRCN, OUT, Base2
 
-from rtron.guard.audit.ros2.lives import Life, Lives, process_of
+from rtron.guard.transport.ros2.lives import Life, Lives, process_of
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.session import Session
 

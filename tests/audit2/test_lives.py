@@ -6,7 +6,14 @@ import sys
 
 import pytest
 
-from rtron.guard.audit.ros2.lives import LEASE, Life, Lives, find_process, process_lives, process_of
+from rtron.guard.transport.ros2.lives import (
+    LEASE,
+    Life,
+    Lives,
+    find_process,
+    process_lives,
+    process_of,
+)
 from rtron.vocabulary import SECOND
 
 HERE = b"\x01\x0f\x78\xfd"

@@ -35,7 +35,7 @@ class Answer:
 
 
 class MemoryEnds:
-    """Keeps what the guard asks of the server, so that a test answers, and what clients are told."""
+    """Keeps what the guard asks of the server, for a test to answer, and what clients are told."""
 
     info = INFO
 
@@ -424,6 +424,26 @@ def test_the_next_goal_goes_when_the_status_tells_the_end():
     assert act.started() == [1]
     act.tell((1, SUCCEEDED))
     assert act.started() == [1, 2]
+
+
+def test_a_result_that_does_not_come_is_asked_for_again_and_then_done_without():
+    act = Act()
+    act.ask(ONE, 1)
+    act.accept(1)
+    waiting = act.want(ONE, 1)
+    act.ends.results.clear()
+    act.tell((1, CANCELED))
+    act.tell((1, CANCELED))
+    act.transport.advance(SECOND - 1)
+    assert act.ends.results == {}
+    act.transport.advance(1)
+    assert set(act.ends.results) == {of(1)}
+    act.transport.advance(LOST_AFTER - SECOND - 1)
+    assert waiting == []
+    act.transport.advance(1)
+    assert waiting == [(CANCELED, None)]
+    act.finish(1)
+    assert waiting == [(CANCELED, None)]
 
 
 def test_clients_are_told_what_the_server_lists_and_what_waits_here():

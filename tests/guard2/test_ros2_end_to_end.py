@@ -64,6 +64,13 @@ def domain(ros2):
         session.close()
 
 
+def offered_by_the_guard(domain):
+    def found():
+        return {e.node: e.qos for e in publishers_of(domain, OUT)}.get("/rtron/grcn_cmd_vel")
+
+    return wait_for(found, what="the guard's output in the graph")
+
+
 def speaker(ros2, name, topic, speed, rate, *more):
     return ros2.node("speaker2.py", topic, speed, rate, *more, name=name)
 
@@ -98,7 +105,7 @@ def test_the_driver_gets_the_qos_of_the_publisher(
     driver = ros2.node("driver2.py", OUT, profile, name="/driver")
     speaker(ros2, "/nav", NAV, "0.5", "20", "", profile)
     wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
-    offered = {e.node: e.qos for e in publishers_of(domain, OUT)}["/rtron/grcn_cmd_vel"]
+    offered = offered_by_the_guard(domain)
     assert (offered.reliability, offered.deadline) == (reliability, deadline)
     assert offered.durability is Durability.VOLATILE
 
@@ -109,7 +116,7 @@ def test_what_was_latched_before_the_guard_came_arrives(ros2, guard, domain):
     guard()
     driver = ros2.node("driver2.py", OUT, "latched", name="/driver")
     wait_for(lambda: speeds(driver)["0.5"], what="what was latched")
-    offered = {e.node: e.qos for e in publishers_of(domain, OUT)}["/rtron/grcn_cmd_vel"]
+    offered = offered_by_the_guard(domain)
     assert offered.durability is Durability.TRANSIENT_LOCAL
 
 
@@ -124,3 +131,15 @@ def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
     wait_for(lambda: speeds(driver)["0.0"] > stops, what="the stop")
     stopped = speeds(driver)["0.5"]
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
+
+
+def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):
+    driver = ros2.node("driver2.py", OUT, name="/driver")
+    guard()
+    nav = speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"], what="the navigation")
+    nav.kill()
+    speaker(ros2, "/nav", NAV, "0.7", "50")
+    wait_for(
+        lambda: speeds(driver)["0.7"], 15, "the next one, before the lease of the first is over"
+    )

@@ -221,6 +221,16 @@ def test_an_unknown_condition_counts_as_true_and_is_noted(guard):
     assert any("$(command" in note for note in result.notes)
 
 
+@pytest.mark.parametrize(
+    "set_to",
+    ['<let name="n" value="$(command ls)"/>', '<arg name="n" default="$(command ls)"/>'],
+)
+def test_what_is_set_to_something_unknown_is_not_a_missing_argument(guard, set_to):
+    pushed = '<push_ros_namespace namespace="$(var n)"/>'
+    text = guard(f"{set_to}<group>{pushed}{TELEOP}</group>{BASE}").launch.read_text()
+    assert f'<remap from="teleop:/cmd_vel" to="{FIRST}"/>' in text
+
+
 def test_a_node_without_a_name_gets_rules_that_begin_with_the_missing_names(guard, tmp_path):
     result = guard('<node pkg="c" exec="c"/>' + TELEOP)
     text = result.launch.read_text()

@@ -226,7 +226,9 @@ def test_arguments_are_shown_required_and_handed_over(guarded):
 
 def test_the_apps_file_is_run_once(guarded, tmp_path):
     log = tmp_path / "log"
-    body = f"OpaqueFunction(function=lambda context: []) if open({str(log)!r}, 'a').write('x') else 0"
+    body = (
+        f"OpaqueFunction(function=lambda context: []) if open({str(log)!r}, 'a').write('x') else 0"
+    )
     guarded(body)
     assert log.read_text() == "x"
 

@@ -1,4 +1,4 @@
-"""Publishes Twists with a speed on a topic: TOPIC SPEED RATE [COUNT] [reliable|best_effort|latched].
+"""Publishes Twists on a topic: TOPIC SPEED RATE [COUNT] [reliable|best_effort|latched].
 
 Without COUNT it goes on for ever; `latched` says one thing only, before anybody listens.
 """
@@ -22,7 +22,9 @@ PROFILES = {
 
 def main():
     rclpy.init()
-    topic, speed, rate, count, profile = (*rclpy.utilities.remove_ros_args(sys.argv)[1:], "", "")[:5]
+    topic, speed, rate, count, profile = (*rclpy.utilities.remove_ros_args(sys.argv)[1:], "", "")[
+        :5
+    ]
     node = rclpy.create_node("speaker")
     publisher = node.create_publisher(Twist, topic, PROFILES[profile or "reliable"])
     message = Twist()

@@ -29,8 +29,10 @@ def open_transport(ros: int, address: str, loop: Loop) -> Ros1Transport | Ros2Tr
         return Ros1Transport(loop, private_master(address), public=address)
     try:
         from rtron.guard.transport.ros2.transport import Ros2Transport  # noqa: PLC0415
+        from rtron.wire.ros2.announcing import announce_often  # noqa: PLC0415
         from rtron.wire.ros2.session import Session  # noqa: PLC0415
     except ImportError as error:
         help = "pip install 'rtron[ros2]', or source your ROS 2"
         raise SourceError(f"ROS 2 is not there: {error}", help=help) from error
+    announce_often()
     return Ros2Transport(loop, Session(int(address.removeprefix(_DOMAIN))))

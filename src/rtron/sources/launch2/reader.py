@@ -134,24 +134,21 @@ class _Reader:
             scope.remaps += self._pairs([element], scope, place)
         elif element.tag == "reset":
             scope.configurations.clear()
+            scope.unknown.clear()
             scope.namespace, scope.remaps = None, []
 
     def _argument(self, element: Element, scope: Scope, place: _Place) -> None:
         name = element.attributes.get("name", "")
-        if name in scope.configurations:
+        if name in scope.configurations or name in scope.unknown:
             return
         if "default" not in element.attributes:
             raise MissingArgumentError(name)
-        value = self._text(element, "default", scope, place)
-        if value is not None:
-            scope.configurations[name] = value
+        scope.put(name, self._text(element, "default", scope, place))
 
     def _let(self, element: Element, scope: Scope, place: _Place) -> None:
         name, value = (self._text(element, key, scope, place) for key in ("name", "value"))
-        if name is not None and value is not None:
-            scope.configurations[name] = value
-        elif name is not None:
-            scope.configurations.pop(name, None)
+        if name is not None:
+            scope.put(name, value)
 
     def _group(self, element: Element, scope: Scope, place: _Place, later: list[Element]) -> None:
         inner = scope
@@ -160,8 +157,8 @@ class _Reader:
             inner = scope.inner(forwarding=forwards)
         for kept in element.named("keep"):
             name, value = (self._text(kept, key, scope, place) for key in ("name", "value"))
-            if name is not None and value is not None:
-                inner.configurations[name] = value
+            if name is not None:
+                inner.put(name, value)
         self._actions(element.children, inner, place, later)
 
     def _include(self, element: Element, scope: Scope, place: _Place) -> None:
@@ -245,7 +242,7 @@ class _Reader:
         folder = os.path.dirname(place.path)  # noqa: PTH120 - a string in a string out
         return Substitution(
             {
-                "var": variable(scope.configurations),
+                "var": variable(scope.configurations, scope.unknown),
                 "env": environment(self.environ),
                 "dirname": lambda _: folder,
                 "filename": lambda _: place.path,

@@ -5,7 +5,7 @@ whose arguments may be quoted and hold substitutions in turn. Nothing is run.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -94,13 +94,15 @@ class Substitution:
         raise ValueError("`$(` without `)`")
 
 
-def variable(configurations: Mapping[str, str]) -> Function:
+def variable(configurations: Mapping[str, str], unknown: Collection[str]) -> Function:
     """Return what `$(var name default)` does."""
 
     def found(arguments: list[str]) -> str:
         name, *default = _given(arguments, 1, 2)
         if name in configurations:
             return configurations[name]
+        if name in unknown:
+            raise UnresolvableError(f"the value of '{name}' is not known")
         if default:
             return default[0]
         raise MissingArgumentError(name)

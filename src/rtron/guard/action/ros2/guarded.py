@@ -64,6 +64,7 @@ log = logging.getLogger(__name__)
 _ORPHANED = 3 * SECOND
 _FOUND_WITHIN = 10 * SECOND
 _CANCEL_PATIENCE = 5 * SECOND
+_ASK_AGAIN = SECOND
 _LONGEST_NAME = 128
 _MOST_STRANGERS = 32
 _IN_PROGRESS, _OVER = 1, min(TERMINAL)
@@ -388,6 +389,22 @@ class RequestedAction(GuardedStream):
     def _ask_result(self, task: Task) -> None:
         self._ways.get_result(task.goal.id, partial(self._result, task))
 
+    def _await_result(self, goal: Goal, status: int) -> None:
+        """Ask once more for the result of a goal that is over, then do without: it may be lost."""
+        task, now = self._tasks.get(goal.id), self._transport.now()
+        if task and not task.over:
+            task.over = True
+            self._transport.call_at(now + _ASK_AGAIN, partial(self._ask_again, task))
+            self._transport.call_at(now + LOST_AFTER, partial(self._do_without, task, status))
+
+    def _ask_again(self, task: Task) -> None:
+        if self._tasks.get(task.goal.id) is task:
+            self._ask_result(task)
+
+    def _do_without(self, task: Task, status: int) -> None:
+        if self._tasks.get(task.goal.id) is task:
+            self._finish(task, status, why="its result does not come")
+
     def _result(self, task: Task, status: int, result: object) -> None:
         goal = task.goal
         if self._tasks.get(goal.id) is not task:
@@ -428,6 +445,7 @@ class RequestedAction(GuardedStream):
         for goal in news.found:
             self._found(goal, now)
         for goal in news.over:
+            self._await_result(goal, listed[goal.id].status)
             self._turn_over(goal)
         for goal in self.goals:
             if not goal.client and states.get(goal.id, _OVER) == _OVER:

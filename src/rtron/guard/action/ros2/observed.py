@@ -12,7 +12,8 @@ class ObservedAction(GuardedStream):
 
     def open(self) -> None:
         """Stay out of the graph."""
-        log.warning("%s: goals are requests and cannot be observed: enforce", self.stream.topic)
+        told = "%s: its goals are requests, which only a guard that enforces sees"
+        log.warning(told, self.stream.topic)
 
     @property
     def details(self) -> dict[str, str]:

@@ -12,7 +12,7 @@ class Task:
 
     `asked` is the client that does not know yet whether its goal is accepted. `accepted` tells
     whether the server has it, `cancelled` that its client has given it up, `to_cancel` that the
-    server is to cancel it as soon as it has it.
+    server is to cancel it as soon as it has it, `over` that it says that the goal has ended.
     """
 
     goal: Goal
@@ -20,6 +20,7 @@ class Task:
     accepted: bool = False
     cancelled: bool = False
     to_cancel: bool = False
+    over: bool = False
     waiting: list[AnswerResult] = field(default_factory=list)
 
     @property

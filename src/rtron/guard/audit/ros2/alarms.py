@@ -24,13 +24,13 @@ from rtron.vocabulary import SECOND, Alarm, AlarmKind, PlannedTopic
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rtron.guard.audit.ros2.lives import Lives
     from rtron.guard.audit.ros2.seen import Seen
     from rtron.guard.audit.ros2.wanted import Wanted
+    from rtron.guard.transport.ros2.lives import Lives
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
-AWAIT_NAME = SECOND
-"""How long the domain may take to name the node of an endpoint (ns)."""
+AWAIT_NAME = 5 * SECOND
+"""How long the domain may take to name the node of an endpoint (ns); on a busy machine over 1 s."""
 _MOST_AT_A_TOPIC = 16
 
 Case = tuple[Alarm, tuple[str, ...]]

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from rtron.guard.audit.response import Response
 from rtron.guard.audit.ros2.alarms import doubles, drifts, strangers
 from rtron.guard.audit.ros2.cases import Cases
-from rtron.guard.audit.ros2.lives import Lives, is_kin
 from rtron.guard.audit.ros2.reading import Reader
 from rtron.guard.audit.ros2.seen import EVERYBODY, Seen
 from rtron.guard.audit.ros2.wanted import Wanted, is_service
 from rtron.guard.audit.standing import Standing
+from rtron.guard.transport.ros2.lives import Lives, is_kin
 from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan
 
 if TYPE_CHECKING:

@@ -6,11 +6,11 @@ import time
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
-from rtron.guard.audit.ros2.announcing import announce_often
 from rtron.guard.audit.ros2.reading import Reader
 from rtron.guard.audit.ros2.seen import EVERYBODY
 from rtron.guard.audit.ros2.verification import verify_ros2
 from rtron.guard.audit.ros2.wanted import Wanted
+from rtron.wire.ros2.announcing import announce_often
 
 if TYPE_CHECKING:
     from rtron.guard.audit.ros2.seen import Seen

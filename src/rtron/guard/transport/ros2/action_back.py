@@ -119,7 +119,6 @@ class Back:
             self._complain(str(error))
             return False
         self._open_requests[end, number] = take
-        log.warning('DBG ask %s %s', end, number)
         return True
 
     def _answers(self, end: ActionEnd, count: int) -> None:
@@ -133,7 +132,6 @@ class Back:
             if taken is None:
                 return
             number, response = taken
-            log.warning('DBG answer %s %s', end, response)
             take = self._open_requests.pop((end, number), None)
             if take and self._server:
                 take(response)

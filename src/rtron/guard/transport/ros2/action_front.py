@@ -141,7 +141,6 @@ class Front:
         node, name = self._around.node, f"rq{end_name(self._action, end)}Request"
         infos = node.get_publishers_info_by_topic(name, no_mangle=True)
         gids = [bytes(info.endpoint_gid)[:GID_SIZE] for info in infos]
-        log.warning('DBG of_writer %s %s', place.hex(), [g.hex() for g in gids])
         own = [gid for gid in gids if gid[:PARTICIPANT] == place[:PARTICIPANT]]
         return own[0] + place[GID_SIZE:] if len(own) == 1 else place
 

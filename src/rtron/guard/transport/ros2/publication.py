@@ -80,7 +80,8 @@ class Publication:
             return
         self._offered[flow] = qos
         wanted = strongest(self._offered.values())
-        if self._publisher is None or wanted != self._qos:
+        keeps_each = wanted.durability is Durability.TRANSIENT_LOCAL
+        if self._publisher is None or wanted != self._qos or keeps_each:
             self._report(wanted)
             self._make(wanted)
 

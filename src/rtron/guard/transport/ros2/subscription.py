@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-_AWAIT_NAME = SECOND
+_AWAIT_NAME = 5 * SECOND
 _MOST_UNNAMED = 64
 _MOST_READERS = 8
 _MOST_NAMES = 64

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import logging
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from rtron.guard.transport.ros2.action_ends import ActionEnds
 from rtron.guard.transport.ros2.graph import Graph
+from rtron.guard.transport.ros2.lives import Lives
 from rtron.guard.transport.ros2.owners import Owners
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl
@@ -37,6 +39,7 @@ class Ros2Transport:
         self.rcl = Rcl()
         self.graph = Graph(loop, session, self.rcl)
         self.owners = Owners()
+        self._lives = Lives(self.graph.participant)
         self.now = loop.now
         self.call_at = loop.call_at
         self._shared = Surroundings(loop, self.rcl, self.graph, self.owners, _log)
@@ -114,9 +117,13 @@ class Ros2Transport:
         return publication
 
     def _look_at_names(self) -> None:
-        """Know whose each name is, before anybody asks."""
-        ends = self.graph.watched()
-        self.owners.look((e.node, e.participant) for each in ends for e in each.publishers)
+        """Know whose each name is, before anybody asks; the dead have none any more."""
+        found: dict[str, set[bytes]] = defaultdict(set)
+        for end in (end for each in self.graph.watched() for end in each.publishers):
+            found[end.node].add(end.participant)
+        self._lives.look(set().union(*found.values()), self.now())
+        named = ((node, self._lives.living(group)) for node, group in found.items())
+        self.owners.look((node, each) for node, living in named for each in living)
 
 
 def _log(topic: str, node: str, why: str) -> None:
