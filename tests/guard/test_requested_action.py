@@ -400,9 +400,22 @@ def test_a_goal_that_was_given_up_and_is_accepted_late_is_cancelled():
     assert set(act.ends.cancels) == {(of(1), 0)}
 
 
+def test_a_goal_that_was_answered_and_goes_on_is_cancelled():
+    act = Act()
+    act.ask(ONE, 1)
+    act.accept(1)
+    act.action.server_left()
+    act.transport.advance(LOST_AFTER)
+    act.serve()
+    act.tell((1, EXECUTING))
+    assert set(act.ends.cancels) == {(of(1), 0)}
+    assert act.listed() == {1: ABORTED}
+
+
 def test_the_servers_own_goals_take_the_turn():
     act = Act()
     act.tell((9, EXECUTING))
+    assert act.listed() == {9: EXECUTING}
     act.ask(ONE, 1)
     assert act.started() == []
     act.tell((9, SUCCEEDED))
