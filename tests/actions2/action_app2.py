@@ -24,6 +24,8 @@ from rtron.wire.ros2.session import Session
 ACTION, SERVER, ONE, TWO = "/fib", "/server", "/one", "/two"
 TYPE = "test_msgs/action/Fibonacci"
 REJECTED = "rejected"
+FOUND_S = 30
+"""How long participants may take to find each other."""
 STATES = {4: "succeeded", 5: "canceled", 6: "aborted"}
 
 
@@ -42,7 +44,7 @@ class Participant:
         more = {} if threads == 1 else {"num_threads": threads}
         self.executor = kind(context=self.context, **more)
         self.executor.add_node(self.node)
-        self._thread = threading.Thread(target=self._spin)
+        self._thread = threading.Thread(target=self._spin, daemon=True)
 
     def start(self):
         self._thread.start()
@@ -173,7 +175,7 @@ class Guard:
         self.host = Host(self.transport, streams(plan), senses_of(plan), will=will)
         self.action = self.host.guarded[0]
         self.loop.post(self.host.open)
-        self._thread = threading.Thread(target=self.loop.run)
+        self._thread = threading.Thread(target=self.loop.run, daemon=True)
         self._thread.start()
 
     def do(self, what):
@@ -214,11 +216,18 @@ class App2:
         self.plan = plan_of(made, ros=2, **(more or {}))
         self.wills = []
         self._parts = []
-        self.server = self.keep(Server(domain))
-        self.guard = self.keep(Guard(domain, self.plan, Will(write=self.wills.append)))
+        try:
+            self._start()
+        except BaseException:
+            self.close()
+            raise
+
+    def _start(self):
+        self.server = self.keep(Server(self.domain))
+        self.guard = self.keep(Guard(self.domain, self.plan, Will(write=self.wills.append)))
         self.one, self.two = self.client(ONE, "flow1"), self.client(TWO, "flow2")
         for client in (self.one, self.two):
-            wait_for(client.ready, what=f"the action of {client.node.get_name()}")
+            wait_for(client.ready, FOUND_S, f"the action of {client.node.get_name()}")
 
     def keep(self, part):
         self._parts.append(part)

@@ -1,8 +1,11 @@
 """What the tests of actions on ROS 2 share."""
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 
 import pytest
+from harness import TooLateError
+
+TRIES = 3
 
 
 @pytest.fixture(scope="session")
@@ -19,13 +22,19 @@ def app2(monkeypatch, domains):
     from action_app2 import App2  # noqa: PLC0415 - needs rclpy
     from harness2 import own_domain  # noqa: PLC0415
 
-    domain = domains.enter_context(own_domain())
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.delenv("ROS_LOCALHOST_ONLY", raising=False)
     with ExitStack() as apps:
 
+        def found(*policy, **settings):
+            """Start an app whose parts find each other: Fast DDS does not always succeed."""
+            for _ in range(TRIES - 1):
+                with suppress(TooLateError):
+                    return App2(domains.enter_context(own_domain()), *policy, **settings)
+            return App2(domains.enter_context(own_domain()), *policy, **settings)
+
         def start(*policy, **settings):
-            app = App2(domain, *policy, **settings)
+            app = found(*policy, **settings)
             apps.callback(app.close)
             return app
 
