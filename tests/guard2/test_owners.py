@@ -51,3 +51,22 @@ def test_who_has_left_and_come_back_after_another_has_it_no_more():
     owners = after([("/nav", ONE)], [("/nav", TWO)], [("/nav", ONE), ("/nav", TWO)])
     assert owners.has("/nav", TWO)
     assert not owners.has("/nav", ONE)
+
+
+def test_a_name_that_the_domain_takes_away_is_still_its_owners():
+    owners = after([("/nav", ONE)], [("", ONE), ("/nav", TWO)])
+    assert owners.has("/nav", ONE)
+    assert not owners.has("/nav", TWO)
+
+
+def test_before_the_graph_has_settled_a_name_that_two_have_is_nobodys():
+    owners = Owners()
+    owners.look([("/nav", TWO)], settled=False)
+    assert owners.has("/nav", TWO)
+    owners.look([("/nav", TWO), ("/nav", ONE)], settled=False)
+    assert not owners.has("/nav", ONE)
+    assert not owners.has("/nav", TWO)
+    owners.look([("/nav", TWO), ("/nav", ONE)])
+    assert not owners.has("/nav", TWO)
+    owners.look([("/nav", ONE)])
+    assert owners.has("/nav", ONE)

@@ -33,6 +33,8 @@ grcn:
 TOPIC = "/cmd_vel"
 NAV, OUT = flow_topic(TOPIC, "nav"), output_topic(TOPIC)
 EVIL = "9.0"
+SETTLED = 300
+"""Words of the navigation, 50 a second, after which the guard knows whose a name is."""
 
 
 @pytest.fixture
@@ -79,7 +81,7 @@ def test_not_one_of_a_thousand_malicious_messages_passes(ros2, guard):
     driver = ros2.node("driver2.py", OUT, name="/driver")
     guarding = guard()
     speaker(ros2, "/nav", NAV, "0.5", "50")
-    wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
+    wait_for(lambda: speeds(driver)["0.5"] > SETTLED, what="the navigation")
     evil = [
         speaker(ros2, "/evil", TOPIC, EVIL, "400", "1000"),
         speaker(ros2, "/nav", NAV, EVIL, "200", "400"),

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rtron.guard.transport.ros2.transport import Ros2Transport
 
 _DOMAIN = "domain "
+_FAST_DDS = "rmw_fastrtps"
 
 
 def domain_address(domain: int) -> str:
@@ -23,16 +24,20 @@ def domain_address(domain: int) -> str:
 def open_transport(ros: int, address: str, loop: Loop) -> Ros1Transport | Ros2Transport:
     """Return a transport for ROS 1 at a master, or for ROS 2 in the domain of an address.
 
-    SourceError if ROS 2 is not installed here.
+    SourceError if ROS 2 is not installed here, or its RMW is not Fast DDS: others give
+    a message another id than the publisher has in the graph.
     """
     if ros == 1:
         return Ros1Transport(loop, private_master(address), public=address)
     try:
         from rtron.guard.transport.ros2.transport import Ros2Transport  # noqa: PLC0415
         from rtron.wire.ros2.announcing import announce_often  # noqa: PLC0415
-        from rtron.wire.ros2.session import Session  # noqa: PLC0415
+        from rtron.wire.ros2.session import Session, rmw_identifier  # noqa: PLC0415
     except ImportError as error:
         help = "pip install 'rtron[ros2]', or source your ROS 2"
         raise SourceError(f"ROS 2 is not there: {error}", help=help) from error
+    if not (rmw := rmw_identifier()).startswith(_FAST_DDS):
+        help = "export RMW_IMPLEMENTATION=rmw_fastrtps_cpp for the whole app"
+        raise SourceError(f"the guard cannot tell publishers apart with {rmw}", help=help)
     announce_often()
     return Ros2Transport(loop, Session(int(address.removeprefix(_DOMAIN))))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import uuid
 
+import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
@@ -70,3 +71,8 @@ class Session:
         for name in list(self._nodes):
             self.drop(name)
         self.context.try_shutdown()
+
+
+def rmw_identifier() -> str:
+    """Return which RMW the environment has chosen, for example `rmw_fastrtps_cpp`."""
+    return str(rclpy.get_rmw_implementation_identifier())

@@ -73,12 +73,12 @@ class Back:
     def close(self) -> None:
         """Leave the graph."""
         self._around.shared.graph.changed.remove(self._look)
-        for bell in self._bells:
-            bell.silence()
         for client in self._clients.values():
             self._around.node.destroy_client(client)
         for subscription in self._subscriptions:
             self._around.node.destroy_subscription(subscription)
+        for bell in self._bells:
+            bell.silence()
         self._clients.clear()
 
     def send_goal(self, goal: GoalMessage, answered: AnswerGoal) -> None:

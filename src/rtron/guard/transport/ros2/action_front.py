@@ -97,10 +97,10 @@ class Front:
 
     def close(self) -> None:
         """Be there no more."""
-        for bell in self._bells:
-            bell.silence()
         for service in self._services.values():
             self._around.node.destroy_service(service)
+        for bell in self._bells:
+            bell.silence()
         for publisher in self._publishers.values():
             self._around.node.destroy_publisher(publisher)
         self._bells.clear()

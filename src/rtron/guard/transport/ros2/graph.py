@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as implementation
 
-from rtron.vocabulary import GUARD_NODE
+from rtron.guard.seldom import Seldom
+from rtron.vocabulary import GUARD_NODE, SECOND
 from rtron.wire.ros2.endpoints import Ros2Endpoint, publishers_of, subscribers_of
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 _PAUSE_S = 0.02
+_PAUSE = SECOND // 50
 _EVERY_S = 0.5
 _LONGEST_WAIT_NS = 500_000_000
 _MOST_ENDPOINTS = 256
@@ -60,6 +62,8 @@ class Graph:
         """Which participant we are."""
         self._due = False
         self._ending = False
+        self._looked: dict[str, int] = {}
+        self._seldom = Seldom()
         self._waker = implementation.GuardCondition(self._node.context.handle)
         self._waiter = threading.Thread(target=self._wait, args=(session,), daemon=True)
         self._waiter.start()
@@ -85,7 +89,14 @@ class Graph:
         return gid.startswith(self.participant)
 
     def look(self, topic: str) -> Ends:
-        """Ask the domain about one topic now; whoever is new, is told to all soon."""
+        """Ask the domain about one topic now; whoever is new, is told to all soon.
+
+        Asked again at once, it gives what it knows.
+        """
+        now = self._loop.now()
+        if now - self._looked.get(topic, -_PAUSE) < _PAUSE:
+            return self.ends(topic)
+        self._looked[topic] = now
         ends = self._asked(topic)
         if ends != self._ends.get(topic):
             self._ends[topic] = ends
@@ -95,10 +106,11 @@ class Graph:
     def refresh(self) -> None:
         """Ask the domain about every watched topic, and tell all of `changed`."""
         self._due = False
-        if not self._ending:
-            self._ends = {topic: self._asked(topic) for topic in self._ends}
-            for changed in list(self.changed):
-                changed()
+        if self._ending:
+            return
+        self._ends = {topic: self._asked(topic) for topic in self._ends}
+        for changed in list(self.changed):
+            _safely(changed)
 
     def _look_again(self) -> None:
         """Refresh at times, change or not: some things are decided by time alone."""
@@ -114,10 +126,16 @@ class Graph:
         self._waiter.join()
 
     def _asked(self, topic: str) -> Ends:
-        return Ends(
-            publishers=self._others(publishers_of(self._node, topic)),
-            subscribers=self._others(subscribers_of(self._node, topic)),
-        )
+        """Return who is on a topic; who was, where the domain tells what cannot be read."""
+        try:
+            return Ends(
+                publishers=self._others(publishers_of(self._node, topic)),
+                subscribers=self._others(subscribers_of(self._node, topic)),
+            )
+        except (UnicodeError, ValueError, RuntimeError) as error:
+            if self._seldom.may_say(None, self._loop.now()):
+                log.warning("%s: somebody there has a name that is none: %s", topic, error)
+            return self._ends.get(topic, _NOBODY)
 
     def _others(self, endpoints: list[Ros2Endpoint]) -> tuple[Ros2Endpoint, ...]:
         others = (each for each in endpoints if not self.is_own(each.gid))
@@ -135,7 +153,12 @@ class Graph:
         with context, self._node.handle:
             waiting = implementation.WaitSet(0, 2, 0, 0, 0, 0, context)
             while not self._ending:
-                if self._changes(waiting):
+                try:
+                    changes = self._changes(waiting)
+                except Exception:
+                    log.exception("changes of the graph are only looked for twice a second now")
+                    return
+                if changes:
                     self._loop.post(self._soon)
 
     def _changes(self, waiting: Any) -> bool:  # noqa: ANN401 - rclpy's handle
@@ -144,3 +167,11 @@ class Graph:
         self._rcl.watch_graph(waiting.pointer, self._node.handle.pointer)
         waiting.wait(_LONGEST_WAIT_NS)
         return bool(waiting.get_ready_entities("guard_condition"))
+
+
+def _safely(changed: Callable[[], None]) -> None:
+    """Call back; one that fails must not blind the others."""
+    try:
+        changed()
+    except Exception:
+        log.exception("internal error after a change of the graph")

@@ -19,14 +19,22 @@ class Owners:
     def __init__(self) -> None:
         self._owner: dict[str, bytes] = {}
 
-    def look(self, listed: Iterable[tuple[str, bytes]]) -> None:
-        """Take the node names that are there now, each with its participant."""
+    def look(self, listed: Iterable[tuple[str, bytes]], *, settled: bool = True) -> None:
+        """Take the node names that are there now, each with its participant.
+
+        A name stays its owner's while that participant is there, under whatever name: what the
+        domain says of names can be forged. Until the graph has `settled`, who was found first need
+        not have been there first: then nobody has a name that two have.
+        """
         found: dict[str, set[bytes]] = defaultdict(set)
         for node, participant in listed:
             found[node].add(participant)
-        self._owner = {node: own for node, own in self._owner.items() if own in found.get(node, ())}
+        there = set().union(*found.values())
+        self._owner = {node: own for node, own in self._owner.items() if own in there}
         for node, participants in found.items():
-            if node and node not in self._owner and len(participants) == 1:
+            if len(participants) > 1 and not settled:
+                self._owner.pop(node, None)
+            elif node and node not in self._owner and len(participants) == 1:
                 self._owner[node] = next(iter(participants))
 
     def has(self, node: str, participant: bytes) -> bool:

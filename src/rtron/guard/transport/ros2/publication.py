@@ -85,6 +85,10 @@ class Publication:
             self._report(wanted)
             self._make(wanted)
 
+    def suit_listeners(self) -> None:
+        """Offer from now on what all who listen ask for: a stop must reach every one of them."""
+        self._graph.changed.append(self._suit)
+
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
         if latched_by is not None:
@@ -112,6 +116,11 @@ class Publication:
         if self._publisher is not None:
             self._node.destroy_publisher(self._publisher)
             self._publisher = None
+
+    def _suit(self) -> None:
+        asked = [each.qos for each in self._graph.ends(self.topic).subscribers]
+        if asked:
+            self.offer("listeners", strongest(asked))
 
     def _send(self, message: bytes) -> None:
         if self._count() > self.own_readers:

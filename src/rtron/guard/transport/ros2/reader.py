@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 
+from rtron.guard.starvation import end_starved
 from rtron.guard.transport.ros2.bell import Bell
 from rtron.guard.transport.ros2.qos import asked_for
 
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from rtron.vocabulary import QoS
 
     Heard = Callable[["Reader", bytes, bytes], None]
+
+log = logging.getLogger(__name__)
 
 
 class Reader:
@@ -54,4 +58,13 @@ class Reader:
             if taken is None:
                 return
             message, gid = taken
+            self._hand_on(gid, message)
+
+    def _hand_on(self, gid: bytes, message: bytes) -> None:
+        """Hand a message on; one that fails must not leave those behind it unread."""
+        try:
             self._heard(self, gid, message)
+        except MemoryError:
+            end_starved()
+        except Exception:
+            log.exception("internal error, a message is dropped")

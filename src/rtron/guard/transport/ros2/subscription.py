@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 from collections import deque
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError, WireError
@@ -33,9 +34,14 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 _AWAIT_NAME = 5 * SECOND
+_REFUSED_FOR = 5 * SECOND
+_FRESH = SECOND // 2
 _MOST_UNNAMED = 64
 _MOST_READERS = 8
 _MOST_NAMES = 64
+_MOST_TYPES = 512
+_MOST_WAITING = 1 << 24
+"""Messages that wait for a name may have so many bytes together."""
 
 _Kind = tuple[type, Reliability, Durability]
 
@@ -46,8 +52,14 @@ class _Sender:
 
     peer: Peer
     receive: Receive | None
+    at: int = 0
     check: Callable[[bytes], object] | None = None
     reader: Reader | None = None
+
+    def is_as(self, peer: Peer, now: int) -> bool:
+        """Tell whether nothing has changed; who was refused is offered again after a while."""
+        refused_long_ago = self.receive is None and now - self.at >= _REFUSED_FOR
+        return self.peer == peer and not refused_long_ago
 
 
 class Subscription:
@@ -103,11 +115,11 @@ class Subscription:
             return
         peer = self._peer(endpoint)
         sender = self._senders.get(endpoint.gid)
-        if sender and (sender.peer != peer or sender.receive is None):
+        if sender and sender.is_as(peer, now):
+            return
+        if sender:
             self._leave(endpoint.gid)
-            sender = None
-        if sender is None:
-            self._senders[endpoint.gid] = self._offered(endpoint, peer)
+        self._senders[endpoint.gid] = self._offered(endpoint, peer)
 
     def _peer(self, endpoint: Ros2Endpoint) -> Peer:
         return Peer(
@@ -119,18 +131,27 @@ class Subscription:
         )
 
     def _offered(self, endpoint: Ros2Endpoint, peer: Peer) -> _Sender:
-        if self._type not in ("", normalise_type(endpoint.type)):
-            self._complain(peer, f"is not heard: it publishes {endpoint.type}, not {self._type}")
-            return _Sender(peer, None)
-        try:
-            found = interface(endpoint.type)
-        except SourceError as error:
-            self._complain(peer, f"cannot be heard: {error}; {error.help}")
-            return _Sender(peer, None)
+        now = self._shared.loop.now()
+        found, why = self._readable(endpoint)
+        if found is None:
+            self._complain(peer, why)
+            return _Sender(peer, None, now)
         receive = self._connect(peer)
         if receive is None:
-            return _Sender(peer, None)
-        return _Sender(peer, receive, _check_of(found), self._reader(found, endpoint.qos, peer))
+            return _Sender(peer, None, now)
+        reader = self._reader(found, endpoint.qos, peer)
+        return _Sender(peer, receive, now, _check_of(found), reader)
+
+    def _readable(self, endpoint: Ros2Endpoint) -> tuple[Interface | None, str]:
+        """Return how a publisher's messages are read, or why they cannot be."""
+        if self._type not in ("", normalise_type(endpoint.type)):
+            return None, f"is not heard: it publishes {endpoint.type}, not {self._type}"
+        found = installed(endpoint.type)
+        if isinstance(found, SourceError):
+            return None, f"cannot be heard: {found}; {found.help}"
+        if _differs(endpoint, found):
+            return None, f"is not heard: its {endpoint.type} is another version than the one here"
+        return found, ""
 
     def _reader(self, found: Interface, qos: QoS, peer: Peer) -> Reader | None:
         kind = (found.cls, qos.reliability, qos.durability)
@@ -161,9 +182,12 @@ class Subscription:
 
     def _heard_stranger(self, reader: Reader, gid: bytes, message: bytes) -> None:
         """Let a message wait until the graph names its publisher; our own words are nobody's."""
-        if not self._shared.graph.is_own(gid):
+        if self._shared.graph.is_own(gid):
+            return
+        waiting = sum(len(each[-1]) for each in self._unnamed)
+        if waiting + len(message) <= _MOST_WAITING:
             self._unnamed.append((self._shared.loop.now(), reader, gid, message))
-            self._shared.graph.look(self.topic)
+        self._shared.graph.look(self.topic)
 
     def _hear_unnamed(self) -> None:
         """Hear what has waited for a name; of those who are not there, drop it in time."""
@@ -171,11 +195,16 @@ class Subscription:
         self._unnamed.clear()
         for since, reader, gid, message in waiting:
             if gid in self._senders:
-                self._heard(reader, gid, message)
+                self._hear_late(reader, gid, message, now - since)
             elif now - since < 2 * _AWAIT_NAME:
                 self._unnamed.append((since, reader, gid, message))
             elif self._seldom.may_say("unnamed", now):
                 log.warning("%s: messages of nobody in the graph are dropped", self.topic)
+
+    def _hear_late(self, reader: Reader, gid: bytes, message: bytes, waited: int) -> None:
+        """Hear what has waited for a name, unless it was meant for the moment and is old."""
+        if waited < _FRESH or self._senders[gid].peer.latching:
+            self._heard(reader, gid, message)
 
     def _leave(self, gid: bytes) -> None:
         sender = self._senders.pop(gid)
@@ -190,13 +219,26 @@ class Subscription:
 
 def _info_of(endpoint: Ros2Endpoint) -> TypeInfo:
     """Return the publisher's type; one of another hash than ours equals nothing that is known."""
-    try:
-        found = interface(endpoint.type)
-    except SourceError:
+    found = installed(endpoint.type)
+    if isinstance(found, SourceError):
         return TypeInfo(endpoint.type, endpoint.type_hash)
-    if endpoint.type_hash and found.type_hash not in ("", endpoint.type_hash):
+    if _differs(endpoint, found):
         return TypeInfo(found.name, endpoint.type_hash)
     return TypeInfo(found.name, found.md5sum, found.definition)
+
+
+def _differs(endpoint: Ros2Endpoint, found: Interface) -> bool:
+    told = endpoint.type_hash
+    return bool(told) and found.type_hash not in ("", told)
+
+
+@lru_cache(_MOST_TYPES)
+def installed(type: str) -> Interface | SourceError:
+    """Return a type that is installed here, or why it is not; asked once for each."""
+    try:
+        return interface(type)
+    except SourceError as error:
+        return error
 
 
 def _check_of(found: Interface) -> Callable[[bytes], object]:

@@ -16,6 +16,7 @@ from rtron.guard.transport.ros2.subscription import Subscription
 from rtron.guard.transport.ros2.surroundings import Surroundings
 from rtron.guard.transport.transport import Connect, Lost, Output, ignore
 from rtron.messages.encoding import Encoding
+from rtron.vocabulary import SECOND, SUPERVISOR_NODE
 from rtron.wire.ros2.interfaces import interface
 
 if TYPE_CHECKING:
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
     from rtron.wire.ros2.session import Session
 
 log = logging.getLogger(__name__)
+
+_SETTLED = 4 * SECOND
+"""Fast DDS repeats its announcements every 3 s."""
 
 
 class Ros2Transport:
@@ -40,6 +44,7 @@ class Ros2Transport:
         self.graph = Graph(loop, session, self.rcl)
         self.owners = Owners()
         self._lives = Lives(self.graph.participant)
+        self._began = loop.now()
         self.now = loop.now
         self.call_at = loop.call_at
         self._shared = Surroundings(loop, self.rcl, self.graph, self.owners, _log)
@@ -113,6 +118,8 @@ class Ros2Transport:
             queue_size=queue_size,
             successors=successors,
         )
+        if node == SUPERVISOR_NODE:
+            publication.suit_listeners()
         self._publications.append(publication)
         return publication
 
@@ -123,7 +130,9 @@ class Ros2Transport:
             found[end.node].add(end.participant)
         self._lives.look(set().union(*found.values()), self.now())
         named = ((node, self._lives.living(group)) for node, group in found.items())
-        self.owners.look((node, each) for node, living in named for each in living)
+        settled = self.now() - self._began > _SETTLED
+        names = [(node, each) for node, living in named for each in living]
+        self.owners.look(names, settled=settled)
 
 
 def _log(topic: str, node: str, why: str) -> None:
