@@ -63,7 +63,15 @@ def test_it_is_closed_when_all_that_is_open_is_accepted():
 
 def test_json_keys():
     document = json.loads(json.dumps(guarded_to_json(GUARDED)))
-    assert list(document) == ["schema", "launch", "files", "remaps", "unenforceable", "notes"]
+    assert list(document) == [
+        "schema",
+        "launch",
+        "files",
+        "remaps",
+        "unenforceable",
+        "notes",
+        "ros",
+    ]
     assert document["remaps"][1] == {
         "node": "/base",
         "topic": "/cmd_vel",
