@@ -54,7 +54,7 @@ def _send(
     latest = 0
     bursts = zip(range(0, args.count, args.burst), cycle(topics), strict=False)
     for number, (first, topic) in enumerate(bursts):
-        late = _wait_until(start + number * period) if period else 0
+        late = wait_until(start + number * period) if period else 0
         latest = max(latest, late)
         now = time.monotonic_ns()
         for index in range(args.burst):
@@ -65,7 +65,7 @@ def _send(
     return {"sent": bursts_sent * args.burst, "seconds": seconds, "late_ms": latest / 1e6}
 
 
-def _wait_until(when: int) -> int:
+def wait_until(when: int) -> int:
     """Sleep until `when` (ns); return how late it is already, ns."""
     left = when - time.monotonic_ns()
     if left > 0:

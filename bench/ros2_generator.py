@@ -12,6 +12,7 @@ import time
 from itertools import cycle
 from typing import Any
 
+from bench.generator import wait_until
 from bench.ros2_ends import class_of, node, qos
 from bench.ros2_messages import MESSAGES, WARM_UP, Message
 
@@ -45,18 +46,10 @@ def _send(made: list[Any], message: Message, count: int, rate: int) -> dict[str,
     start = time.monotonic_ns()
     latest = 0
     for number, publisher in zip(range(count), cycle(made), strict=False):
-        latest = max(latest, _wait_until(start + number * _SECOND // rate))
+        latest = max(latest, wait_until(start + number * _SECOND // rate))
         publisher.publish(message.stamped(time.monotonic_ns(), number))
     seconds = (time.monotonic_ns() - start) / _SECOND
     return {"sent": count, "seconds": seconds, "late_ms": latest / 1e6}
-
-
-def _wait_until(when: int) -> int:
-    """Sleep until `when` (ns); return how late it is already, ns."""
-    left = when - time.monotonic_ns()
-    if left > 0:
-        time.sleep(left / _SECOND)
-    return max(0, -left)
 
 
 def _arguments() -> argparse.Namespace:

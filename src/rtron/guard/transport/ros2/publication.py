@@ -145,8 +145,8 @@ class Publication:
         made = self._node.create_publisher(found.cls, self.topic, profile(qos, depth))
         self._publisher, self._pointer = made, made.handle.pointer
         self._count = made.handle.get_subscription_count
-        self._early = Backlog(self._depth, _EARLY_BYTES) if self._successors else None
-        self._early_since = 0
+        if self._successors and self._early is None:
+            self._early, self._early_since = Backlog(self._depth, _EARLY_BYTES), 0
         for message in self._latched.values() if kept else ():
             self._rcl.publish(self._pointer, message)
 
