@@ -14,6 +14,7 @@ import time
 from collections.abc import Sequence
 from itertools import cycle
 
+from bench.arguments import to_send
 from bench.messages import MESSAGES, WARM_UP, stamp
 from bench.publishers import Publishers
 from rtron.wire.address import master_uri
@@ -24,7 +25,7 @@ _SECOND = 1_000_000_000
 
 def main() -> None:
     """Publish as the arguments say."""
-    args = _arguments()
+    args = to_send(MESSAGES, ros=1)
     signal.alarm(args.limit)
     message = MESSAGES[args.message]
     nodes = dict(reversed(pair.split("=")) for pair in args.publish)
@@ -71,17 +72,6 @@ def wait_until(when: int) -> int:
     if left > 0:
         time.sleep(left / _SECOND)
     return max(0, -left)
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Publish for a benchmark.")
-    parser.add_argument("--publish", nargs="+", required=True, metavar="NODE=TOPIC")
-    parser.add_argument("--message", choices=MESSAGES, default="twist")
-    parser.add_argument("--count", type=int, default=1000, help="messages in all")
-    parser.add_argument("--rate", type=int, default=200, help="messages/s in all; 0: no pause")
-    parser.add_argument("--burst", type=int, default=1, help="messages at a time")
-    parser.add_argument("--limit", type=int, default=120, help="seconds after which to give up")
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

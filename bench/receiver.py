@@ -5,7 +5,6 @@ It prints `ready` once every topic was heard, and at the end a line of JSON: `la
 publisher. The end is `count` messages, or a silence after the end of standard input.
 """
 
-import argparse
 import json
 import selectors
 import signal
@@ -14,6 +13,7 @@ import sys
 import time
 from contextlib import suppress
 
+from bench.arguments import to_listen
 from bench.messages import MESSAGES, PREFIX, STAMP, WARM_UP
 from bench.subscribers import Subscribers
 from rtron.wire.address import master_uri
@@ -93,7 +93,7 @@ class Connection:
 
 def main() -> None:
     """Subscribe as the arguments say."""
-    args = _arguments()
+    args = to_listen(MESSAGES, ros=1)
     signal.alarm(args.limit)
     message = MESSAGES[args.message]
     recorder = Recorder(set(args.subscribe), args.count)
@@ -123,16 +123,6 @@ def _listen(selector: selectors.BaseSelector, recorder: Recorder) -> None:
                 selector.unregister(key.fileobj)
             elif not key.data.read():
                 selector.unregister(key.fileobj)
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Receive for a benchmark.")
-    parser.add_argument("--subscribe", nargs="+", required=True, metavar="TOPIC")
-    parser.add_argument("--node", default="/bench_sub")
-    parser.add_argument("--message", choices=MESSAGES, default="twist")
-    parser.add_argument("--count", type=int, default=1000, help="messages to wait for")
-    parser.add_argument("--limit", type=int, default=120, help="seconds after which to give up")
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from bench.recordings import plan, write_mcap, write_ros1
 from bench.settings import REPLAYED
 from bench.site import Site
 from figures.figure import Figure
-from rtron.cli.recording import recorded_messages
+from rtron.cli.recording import Recording
 from rtron.guard.replay import Player
 
 _REPEATS = 3
@@ -56,7 +56,7 @@ def _rate(way: Callable[[], int]) -> float:
 
 def _play(bag: Path, ros: int) -> int:
     """Replay a bag; return how many messages the policies decided about."""
-    found = Player(plan(ros)).play(recorded_messages(bag, ros), lambda count: None)
+    found = Player(plan(ros)).play(Recording(bag).messages(ros), lambda count: None)
     flows = [flow for flow in found.streams[0].flows if flow.publisher]
     decided = [flow.passed + flow.modified + flow.dropped for flow in flows]
     if not all(decided):

@@ -3,7 +3,6 @@
 As `bench.generator`, with rclpy's own publishers.
 """
 
-import argparse
 import json
 import select
 import signal
@@ -12,6 +11,7 @@ import time
 from itertools import cycle
 from typing import Any
 
+from bench.arguments import to_send
 from bench.generator import wait_until
 from bench.ros2_ends import class_of, node, qos
 from bench.ros2_messages import MESSAGES, WARM_UP, Message
@@ -22,7 +22,7 @@ _SECOND = 1_000_000_000
 
 def main() -> None:
     """Publish as the arguments say."""
-    args = _arguments()
+    args = to_send(MESSAGES, ros=2)
     signal.alarm(args.limit)
     message = MESSAGES[args.message]
     pairs = [pair.split("=") for pair in args.publish]
@@ -50,17 +50,6 @@ def _send(made: list[Any], message: Message, count: int, rate: int) -> dict[str,
         publisher.publish(message.stamped(time.monotonic_ns(), number))
     seconds = (time.monotonic_ns() - start) / _SECOND
     return {"sent": count, "seconds": seconds, "late_ms": latest / 1e6}
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Publish for a benchmark on ROS 2.")
-    parser.add_argument("--publish", nargs="+", required=True, metavar="NODE=TOPIC")
-    parser.add_argument("--message", choices=MESSAGES, default="twist")
-    parser.add_argument("--count", type=int, default=1000, help="messages in all")
-    parser.add_argument("--rate", type=int, default=200, help="messages/s in all")
-    parser.add_argument("--burst", type=int, default=1, choices=[1])
-    parser.add_argument("--limit", type=int, default=120, help="seconds after which to give up")
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ As `bench.receiver`. Every subscription wakes the process by an eventfd and is r
 conversions, so that what is measured is the way and not this end of it.
 """
 
-import argparse
 import json
 import signal
 import sys
@@ -12,6 +11,7 @@ import threading
 import time
 from functools import partial
 
+from bench.arguments import to_listen
 from bench.receiver import Recorder
 from bench.ros2_ends import DEPTH, class_of, node, qos
 from bench.ros2_messages import MESSAGES, WARM_UP, Message
@@ -24,7 +24,7 @@ _SILENCE_S = 1.0
 
 def main() -> None:
     """Subscribe as the arguments say."""
-    args = _arguments()
+    args = to_listen(MESSAGES, ros=2)
     signal.alarm(args.limit)
     message = MESSAGES[args.message]
     recorder = Recorder(set(args.subscribe), args.count)
@@ -69,16 +69,6 @@ def _await_end(loop: Loop, recorder: Recorder) -> None:
             loop.call_later(_SILENCE_S, lambda: look(now))
 
     loop.post(lambda: look(-1))
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Receive for a benchmark on ROS 2.")
-    parser.add_argument("--subscribe", nargs="+", required=True, metavar="TOPIC")
-    parser.add_argument("--node", default="/bench_sub")
-    parser.add_argument("--message", choices=MESSAGES, default="twist")
-    parser.add_argument("--count", type=int, default=1000, help="messages to wait for")
-    parser.add_argument("--limit", type=int, default=120, help="seconds after which to give up")
-    return parser.parse_args()
 
 
 if __name__ == "__main__":

@@ -26,12 +26,12 @@ def app2(monkeypatch, domains):
     monkeypatch.delenv("ROS_LOCALHOST_ONLY", raising=False)
     with ExitStack() as apps:
 
-        def found(*policy, **settings):
+        def found(*policy, kind=App2, **settings):
             """Start an app whose parts find each other: Fast DDS does not always succeed."""
             for _ in range(TRIES - 1):
                 with suppress(TooLateError):
-                    return App2(domains.enter_context(own_domain()), *policy, **settings)
-            return App2(domains.enter_context(own_domain()), *policy, **settings)
+                    return kind(domains.enter_context(own_domain()), *policy, **settings)
+            return kind(domains.enter_context(own_domain()), *policy, **settings)
 
         def start(*policy, **settings):
             app = found(*policy, **settings)

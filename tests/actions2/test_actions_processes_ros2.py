@@ -31,6 +31,27 @@ def remaps(private):
     return [f"{end_name('/fib', end)}:={end_name(private, end)}" for end in ActionEnd]
 
 
+LONG_LEASE = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<profiles xmlns="http://www.eprosima.com">
+  <participant profile_name="long" is_default_profile="true">
+    <rtps><builtin><discovery_config>
+      <leaseDuration><sec>3600</sec></leaseDuration>
+    </discovery_config></builtin></rtps>
+  </participant>
+</profiles>
+"""
+
+
+@pytest.fixture
+def never_forgetting(ros2):
+    """Have a domain in which who is killed stays listed: its lease outlasts the test."""
+    profiles = ros2.folder / "profiles.xml"
+    profiles.write_text(LONG_LEASE)
+    ros2.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(profiles)  # newer ones know it, too
+    return ros2
+
+
 def guards(supervisor):
     """Return the guards that a supervisor has started, by what it says."""
     return [int(pid) for pid in re.findall(r"the guard begins, process (\d+)", supervisor.log)]
@@ -50,3 +71,28 @@ def test_a_guard_that_is_killed_mid_goal_costs_no_answer(ros2, tmp_path):
     assert one.log.splitlines() == ["ready", "0 4 [0]", "400 4 [400]", "7 4 [7]", "done"]
     assert "started 9" not in server.log
     assert len(guards(guard)) == 2
+
+
+def test_who_follows_on_a_killed_server_and_a_killed_client_is_heard_at_once(never_forgetting):
+    ros2 = never_forgetting
+    plan = ros2.folder / "rtron.yaml"
+    plan.write_text(PLAN)
+
+    def server():
+        return ros2.node("fib_server2.py", name="/server", remaps=remaps("/rtron/fib/out"))
+
+    def one(*orders):
+        return ros2.node("fib_client2.py", *orders, name="/one", remaps=remaps("/rtron/fib/flow1"))
+
+    first, guard, client = server(), ros2.rtron("guard", "--plan", plan), one(0, 400)
+    wait_for(lambda: "started 400" in first.log, what="the long goal")
+    for each in (client, first):
+        each.tell(signal.SIGKILL)
+        wait_for(lambda each=each: each.ended, what="an end")
+    wait_for(lambda: "the server /server is gone" in guard.log, what="its loss", limit_s=60)
+    second = server()
+    wait_for(lambda: guard.log.count("the server /server is there") == 2, what="the next server")
+    client = one(7)
+    wait_for(lambda: "done" in client.log, what="the answer", limit_s=60)
+    assert "7 4 [7]" in client.log
+    assert "started 7" in second.log

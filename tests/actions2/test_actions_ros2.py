@@ -202,6 +202,24 @@ def test_a_guard_that_is_restarted_answers_the_goals_of_the_one_before(app2):
     assert app.server.started == [1, 3]
 
 
+@pytest.mark.filterwarnings("ignore:Deprecated in favor of:DeprecationWarning")
+def test_the_goals_of_the_guard_before_are_answered_though_the_server_comes_late(app2):
+    app = app2()
+    app.one.ask(1)
+    wait_for(lambda: app.server.started, what="the goal")
+    app.two.ask(2)
+    wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
+    wait_for(lambda: len(json.loads(app.wills[-1])["results /fib"]) == 2, what="the will")
+    app.end(app.guard)
+    app.end(app.server)
+    app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
+    over = app.guard.action._results.flow
+    wait_for(lambda: over(id_of(app.two, 2)), what="the end of the goal that waited")
+    app.keep(Server(app.domain))
+    wait_for(lambda: app.two.answers[2], what="the answer")
+    assert app.two.answers[2] == [("aborted", [])]
+
+
 def test_strangers_are_rejected_and_cancel_nothing(app2):
     app = app2()
     app.one.ask(1)
@@ -228,6 +246,7 @@ def test_strangers_are_rejected_and_cancel_nothing(app2):
 
 def test_a_second_server_is_not_asked_nor_the_first_any_more(app2):
     app = app2()
+    wait_for(lambda: app.guard.action.server, what="the first to be noticed")
     other = app.keep(Server(app.domain, "/mallory"))
     wait_for(lambda: not app.guard.action.server, what="two servers to be noticed")
     app.one.ask(1)
@@ -235,7 +254,11 @@ def test_a_second_server_is_not_asked_nor_the_first_any_more(app2):
     assert (app.one.answers[1], other.started, app.server.started) == ([("rejected", [])], [], [])
 
 
-def test_a_rule_looks_into_the_goal(app2):
+OWN = MessageDefinition(type=TYPE, definition="int32 order\n")
+
+
+@pytest.mark.parametrize("messages", [(OWN,), ()], ids=["told", "installed"])
+def test_a_rule_looks_into_the_goal(app2, messages):
     rule = Rule(name="small", block=(ACTION,), action="action.order > 100")
     aflows = (
         GuardedTopic(
@@ -245,8 +268,7 @@ def test_a_rule_looks_into_the_goal(app2):
     msrcn = MSRCN(
         id="msrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, aflows=aflows, rules=(rule,)
     )
-    text = MessageDefinition(type=TYPE, definition="int32 order\n")
-    app = app2(more={"msrcn": msrcn, "messages": (text,)})
+    app = app2(more={"msrcn": msrcn, "messages": messages})
     app.one.ask(101, 100)
     app.server.finish(100)
     wait_for(lambda: app.one.answers[100], what="the goal that is allowed")

@@ -4,25 +4,13 @@ import json
 import re
 
 from harness import wait_for
+from plans2 import driving, written
+
+from rtron.vocabulary import Audit, OnForeign
 
 CMD_VEL = "/cmd_vel"
 OUT, FLOW1 = f"/rtron{CMD_VEL}/out", f"/rtron{CMD_VEL}/nav"
 GRCN = "/rtron/grcn_cmd_vel"
-PLAN = """
-schema: rtron.plan/1
-app: robot
-ros: 2
-audit: {on_foreign: ON_FOREIGN}
-grcn:
-  - id: grcn_cmd_vel
-    topic: /cmd_vel
-    type: geometry_msgs/msg/Twist
-    mode: enforce
-    policy: Preemption
-    successors: [/driver]
-    flows:
-      - {name: nav, publisher: /nav, priority: 2}
-"""
 
 
 class Base2:
@@ -31,7 +19,8 @@ class Base2:
     def __init__(self, ros2, on_foreign="alarm"):
         self._ros2 = ros2
         self.plan = ros2.folder / "rtron.yaml"
-        self.plan.write_text(PLAN.replace("ON_FOREIGN", on_foreign))
+        audit = Audit(on_foreign=OnForeign(on_foreign))
+        self.plan.write_text(written(driving("nav"), audit=audit))
 
     def start(self):
         self.guard = self._ros2.rtron("guard", "--plan", self.plan)

@@ -28,3 +28,12 @@ def test_the_users_own_profiles_count(name):
     environ = {name: "/etc/dds.xml"}
     assert not announce_often(environ)
     assert environ == {name: "/etc/dds.xml"}
+
+
+def test_a_process_that_the_guard_has_started_has_its_profile_and_no_user_s(caplog):
+    environ = {}
+    with caplog.at_level("INFO"):
+        assert announce_often(environ)
+        before = dict(environ)
+        assert announce_often(environ)
+    assert (environ, caplog.text) == (before, "")

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 from itertools import chain
+from pathlib import Path
+from tempfile import mkdtemp
 from types import SimpleNamespace
 
 import pytest
@@ -27,6 +29,7 @@ from domain_scene import (
     serves,
     subscriber,
 )
+from machine import Machine
 
 from rtron.guard.alarms import Alarms
 from rtron.guard.audit.response import Response
@@ -53,19 +56,25 @@ RUNNING = {1000, 2000, 3000, 4000, 5000}
 class Look:
     """What the audit makes of endpoints, look by look."""
 
-    def __init__(self, plan=None, running=RUNNING):
-        self.wanted = Wanted(plan or base_plan())
-        self.running = set(running)
-        self.lives = Lives(GUARD, self._find, lambda process: process[0] in self.running)
+    folder = ""
 
-    def _find(self, low):
-        return (low, 1) if low in self.running else None
+    def __init__(self, plan=None, running=RUNNING, own=GUARD):
+        self.wanted = Wanted(plan or base_plan())
+        self.machine = Machine(Path(mkdtemp(dir=self.folder)))
+        for pid in running:
+            self.machine.start(pid)
+        self.lives = Lives(own, self.machine.processes())
 
     def at(self, now, *ends):
         seen = Seen(ends)
         self.lives.look((end.participant for end in ends), now)
         found = strangers(self.wanted, seen, OURS, self.lives, now)
         return [*found, *doubles(self.wanted, seen, self.lives, now)]
+
+
+@pytest.fixture(autouse=True)
+def _machines(tmp_path, monkeypatch):
+    monkeypatch.setattr(Look, "folder", tmp_path)
 
 
 def found(*ends, plan=None):
@@ -92,8 +101,7 @@ def test_a_nameless_one_on_the_private_output_is_a_ghost_at_once():
 
 
 def test_where_gids_tell_no_process_a_nameless_one_may_be_the_supervisor_for_a_moment():
-    look, nameless = Look(), publisher(OUT, "", ROGUE)
-    look.lives = Lives(b"\x01\x10" + GUARD[2:], look._find)
+    look, nameless = Look(own=b"\x01\x10" + GUARD[2:]), publisher(OUT, "", ROGUE)
     assert look.at(0, *CLOSED, nameless) == []
     ((alarm, braked),) = look.at(AWAIT_NAME + 1, *CLOSED, nameless)
     assert (alarm.kind, braked) == (AlarmKind.GHOST, (CMD_VEL,))
@@ -181,7 +189,7 @@ class TestDoubles:
     def test_one_that_was_killed_and_started_anew_is_no_impostor(self):
         look = Look()
         look.at(0, *CLOSED)
-        look.running.discard(2000)
+        look.machine.end(2000)
         for now in (1, LEASE, 3 * LEASE):
             assert look.at(now, *CLOSED, self.SECOND_NAV) == []
 

@@ -9,7 +9,8 @@ from harness import wait_for
 pytest.importorskip("rclpy")
 from base2 import CMD_VEL, FLOW1, GRCN, OUT, Base2
 
-from rtron.guard.transport.ros2.lives import Life, Lives, process_of
+from rtron.guard.transport.ros2.lives import Life, Lives
+from rtron.guard.transport.ros2.processes import Processes
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.session import Session
 
@@ -83,14 +84,15 @@ def test_a_killed_process_is_known_to_be_gone_while_the_domain_still_lists_it(ro
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         session = Session(ros2.domain)
     looker = session.node("/looker")
-    lives = Lives(session.participant("/looker"))
+    processes = Processes()
+    lives = Lives(session.participant("/looker"), processes)
     node = ros2.node("speaker2.py", FLOW1, "1.0", "10", name="/nav")
     wait_for(lambda: publishers_of(looker, FLOW1), what="the node")
     (found,) = publishers_of(looker, FLOW1)
     lives.look([found.participant, session.participant("/looker")], 0)
-    assert lives.process(found.participant) == process_of(node.pid)
+    assert lives.process(found.participant) == processes.of(node.pid)
     assert lives.of(found.participant) is Life.RUNS
-    assert lives.process(session.participant("/looker")) == process_of(os.getpid())
+    assert lives.process(session.participant("/looker")) == processes.of(os.getpid())
     node.tell(signal.SIGKILL)
     wait_for(lambda: lives.of(found.participant) is Life.GONE, what="the end of the node")
     assert publishers_of(looker, FLOW1)

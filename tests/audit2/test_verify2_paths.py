@@ -42,6 +42,7 @@ from rtron.vocabulary import (
     Mode,
     QoS,
     Reliability,
+    StreamKind,
 )
 
 OPEN, DRIFT = PathState.OPEN, PathState.DRIFT
@@ -316,3 +317,11 @@ def test_a_stranger_that_answers_in_the_servers_place_is_a_problem():
     assert found.problems == (f"/rogue speaks on the private /rtron{NAVIGATE}/out{SEND_GOAL}",)
     told = acting(publisher(f"/rtron{NAVIGATE}/out/_action/status", "/rogue", ROGUE))
     assert len(told.problems) == 1
+
+
+def test_where_nothing_is_to_be_stopped_the_supervisor_has_no_node_of_its_own():
+    plan, told = action_plan(), f"nodes have the name of the guard's node {GUARD_NODE}"
+    goals = replace(plan, grcn=tuple(replace(g, kind=StreamKind.ACTION) for g in plan.grcn))
+    assert verified(SERVED, [*ACTORS, GUARD_NODE], plan=goals).problems == ()
+    third = verified(SERVED, [*ACTORS, GUARD_NODE, GUARD_NODE], plan=goals)
+    assert third.problems == (f"3 {told}",)

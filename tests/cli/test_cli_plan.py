@@ -1,5 +1,7 @@
 import json
 
+import pytest
+
 from rtron.planning.read import parse_plan, read_plan
 
 
@@ -14,6 +16,22 @@ def test_a_plan_is_written_and_can_be_read(rtron, graph_file, plan_file):
     assert [grcn.topic for grcn in read_plan(plan_file).grcn] == ["/cmd_vel"]
     ran = rtron("plan", graph_file, "-o", plan_file, "--launch", "my app.launch")
     assert f"rtron instrument 'my app.launch' --plan {plan_file} -o guarded.launch" in ran.out
+
+
+@pytest.mark.parametrize(
+    ("launch", "shown", "out"),
+    [
+        (None, "APP.launch.py", "guarded.launch.py"),
+        ("app.launch.xml", "app.launch.xml", "guarded.launch.xml"),
+        ("my app.yml", "'my app.yml'", "guarded.launch.yml"),
+        ("app.py", "app.py", "guarded.launch.py"),
+    ],
+)
+def test_the_next_step_is_that_of_the_apps_ros(rtron, graph_file, plan_file, launch, shown, out):
+    graph = json.loads(graph_file.read_text())
+    graph_file.write_text(json.dumps({**graph, "ros": 2}))
+    ran = rtron("plan", graph_file, "-o", plan_file, *(("--launch", launch) if launch else ()))
+    assert f"rtron instrument {shown} --plan {plan_file} -o {out}\n" in ran.out
 
 
 def test_the_yaml_alone_is_printed_to_a_dash(rtron, graph_file):

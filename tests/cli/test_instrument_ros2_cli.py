@@ -54,7 +54,8 @@ def test_xml(instrument, tmp_path):
 def test_arguments_are_taken(instrument):
     ran = instrument("app.launch.xml", XML, "who:=joy")
     assert ran.code == 0
-    assert "/teleop" not in ran.out
+    assert "\n/teleop\n" not in ran.out
+    assert "/teleop is not started by this launch" in ran.out
 
 
 def test_python_is_wrapped_and_never_run(instrument, tmp_path):

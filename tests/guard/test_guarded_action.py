@@ -661,6 +661,17 @@ def test_a_goal_without_an_id_waits_for_an_action():
     assert act.simple == [b"first"]
 
 
+def test_a_client_s_goal_that_is_refused_is_not_the_pose_s():
+    act = Simple()
+    act.give(ONE, b"first")
+    act.give(TWO, b"second")
+    act.ask("/rogue", b"a")
+    assert act.simple == [b"first"]
+    act.serve(*active(b"s1"))
+    act.finish(b"s1")
+    assert act.simple == [b"first", b"second"]
+
+
 def test_a_pose_that_becomes_no_goal_holds_up_nobody():
     act = Simple()
     act.give(ONE, b"first")

@@ -1,14 +1,18 @@
 """A latched goal is acted on once, whoever guards."""
 
+from dataclasses import replace
+
 import pytest
 from streams import peer, stage, stream
 
 from rtron.guard.host import Host
 from rtron.guard.transport.memory import MemoryTransport
+from rtron.guard.transport.numbered import Numbered
 from rtron.guard.will import Will
-from rtron.vocabulary import PolicyName, StreamKind
+from rtron.vocabulary import Durability, PolicyName, QoS, StreamKind
 
 IN, OUT = "/rtron/goal/flow1", "/rtron/goal/out"
+KEPT = QoS(durability=Durability.TRANSIENT_LOCAL)
 
 
 def guard(left=b"", kind=StreamKind.ACTION, *, dry_run=False):
@@ -78,3 +82,90 @@ def test_what_is_remembered_is_bounded():
     for node in ("/n0", "/n1", "/n64"):
         latched.once(node, lambda message, node=node: taken.append(node))(b"x")
     assert taken == ["/n0", "/n1"]
+
+
+def numbered(*numbers, writer="w1", text="kitchen"):
+    return [Numbered.of(f"{text} {number}".encode(), writer, number) for number in numbers]
+
+
+def hear(transport, words, node="/nav", qos=KEPT):
+    say = transport.publisher(IN, replace(peer(node, latching=True), qos=qos))
+    for word in words:
+        say(word)
+
+
+def test_of_a_history_that_comes_again_the_next_guard_acts_on_nothing():
+    transport, out, written = guard()
+    hear(transport, numbered(1, 2, 3))
+    assert out == numbered(1, 2, 3)
+    transport, out, _ = guard(written[-1])
+    hear(transport, numbered(1, 2, 3))
+    assert out == []
+
+
+def test_what_was_said_while_no_guard_was_there_is_new():
+    """Also if it is what was said before: it was said again."""
+    transport, _, written = guard()
+    hear(transport, numbered(1, 2))
+    transport, out, _ = guard(written[-1])
+    again = Numbered.of(b"kitchen 1", "w1", 3)
+    hear(transport, [*numbered(1, 2), again])
+    assert out == [again]
+
+
+def test_a_goal_that_is_given_again_after_the_history_passes():
+    transport, _, written = guard()
+    hear(transport, numbered(1, 2))
+    transport, out, _ = guard(written[-1])
+    hear(transport, [*numbered(1, 2), *numbered(3), Numbered.of(b"kitchen 1", "w1", 4)])
+    assert out == [b"kitchen 3", b"kitchen 1"]
+
+
+def test_a_publisher_that_was_started_again_says_something_new():
+    transport, out, _ = guard()
+    hear(transport, numbered(1, 2))
+    hear(transport, numbered(1, writer="w2"))
+    assert out == [*numbered(1, 2), *numbered(1)]
+
+
+def test_two_publishers_of_one_node_are_told_apart():
+    transport, _, written = guard()
+    hear(transport, numbered(5))
+    hear(transport, numbered(1, writer="w2"))
+    transport, out, _ = guard(written[-1])
+    hear(transport, numbered(5, 6))
+    hear(transport, numbered(1, 2, writer="w2"))
+    assert out == [*numbered(6), *numbered(2)]
+
+
+@pytest.mark.parametrize(("kind", "times"), [(StreamKind.COMMAND, 1), (StreamKind.STATE, 2)])
+def test_a_command_that_was_kept_is_done_once_and_a_state_is_told_again(kind, times):
+    transport, one, written = guard(kind=kind)
+    hear(transport, numbered(1))
+    transport, other, _ = guard(written[-1] if written else b"", kind=kind)
+    hear(transport, numbered(1))
+    assert one + other == numbered(1) * times
+
+
+def test_a_kept_command_of_ros1_is_done_whenever_it_comes():
+    transport, out, _ = guard(kind=StreamKind.COMMAND)
+    for _ in range(2):
+        hear(transport, [b"fast"], qos=None)
+    assert out == [b"fast", b"fast"]
+
+
+def test_those_who_are_blocked_make_nobody_forgotten():
+    transport, _, written = guard()
+    hear(transport, numbered(1))
+    for number in range(65):
+        hear(transport, numbered(1, writer=f"x{number}"), node="/rogue")
+    transport, out, _ = guard(written[-1])
+    hear(transport, numbered(1, 2))
+    assert out == numbered(2)
+
+
+def test_what_a_guard_has_left_of_numbers_may_be_nonsense():
+    transport, out, _ = guard(b'{"latched /goal": {"w1": "x", "w2": [3]}}')
+    hear(transport, numbered(1))
+    hear(transport, numbered(2, writer="w2"))
+    assert out == [*numbered(1), *numbered(2)]

@@ -98,7 +98,8 @@ class Act:
         """Send a goal; return the answers."""
         answer = Answer()
         peer = Peer(node, INFO, verified=verified)
-        self.action.goal_asked(flow or FLOW[node], peer, of(id), goal, answer)
+        message = GoalMessage.of(of(id), goal)
+        self.action.goal_asked(flow or FLOW[node], peer, lambda: message, answer)
         return answer.given
 
     def want(self, node, id, *, flow=""):
@@ -320,6 +321,26 @@ def test_strangers_are_shut_out(node, flow, verified):
     assert act.cancel(node, flow=flow, verified=verified) == [Cancelled(1)]
     assert (act.started(), act.ends.cancels) == ([1], {})
     assert act.action.pipeline.tallies["unapproved"].dropped == 1
+
+
+def test_a_strangers_goal_is_not_even_read():
+    act, answer, read = Act(), Answer(), []
+    peer = Peer("/eve", INFO, verified=False)
+    act.action.goal_asked("flow1", peer, lambda: read.append(1), answer)
+    assert (answer.given, read) == ([None], [])
+    assert act.action.pipeline.tallies["unapproved"].dropped == 1
+
+
+def test_a_crowd_of_one_strangers_requests_hides_no_other_stranger(caplog):
+    act = Act()
+    names = [f"participant {n:024x}" for n in range(3)]
+    for name in (*names[:1] * 20, *names[1:]):
+        act.ask(name, 2, flow="flow1", verified=False)
+        act.cancel(name, flow="flow1", verified=False)
+    for name in names:
+        assert caplog.text.count(f"unapproved client {name} on the private name of flow1") == 1
+        assert caplog.text.count(f"{name}: not approved, its cancels are rejected") == 1
+    assert act.action.strangers == dict(zip(names, (40, 2, 2), strict=True))
 
 
 def test_a_stranger_that_the_plan_lets_through_has_goals_of_its_own():

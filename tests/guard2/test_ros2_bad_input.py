@@ -5,63 +5,29 @@ import random
 import signal
 import struct
 import sys
-from contextlib import ExitStack, closing, suppress
+from contextlib import suppress
 
 import pytest
 from harness import wait_for
 
 pytest.importorskip("rclpy")
+from outside2 import IMAGE, STRING
+from plans2 import driving, telling, written
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from rtron.messages.encoding import PADDING
-from rtron.vocabulary import flow_topic, output_topic
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.session import Session
+from rtron.vocabulary import OnSilence, flow_topic, output_topic
 
 pytestmark = [
     pytest.mark.ros2,
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
-PLAN = """
-schema: rtron.plan/1
-app: robot
-ros: 2
-revision: 1
-grcn:
-  - id: grcn_cmd_vel
-    topic: /cmd_vel
-    type: geometry_msgs/msg/Twist
-    mode: enforce
-    policy: Preemption
-    successors: [/driver]
-    flows:
-      - {name: nav, publisher: /nav, priority: 2, on_silence: release}
-      - {name: teleop, publisher: /teleop, priority: 1, on_silence: release}
-  - id: grcn_words
-    topic: /words
-    type: std_msgs/msg/String
-    mode: enforce
-    kind: state
-    policy: Preemption
-    successors: [/speaker]
-    flows:
-      - {name: nav, publisher: /nav, priority: 2}
-      - {name: teleop, publisher: /teleop, priority: 1}
-  - id: grcn_image
-    topic: /image
-    type: sensor_msgs/msg/Image
-    mode: enforce
-    kind: state
-    policy: Preemption
-    successors: [/detector]
-    flows:
-      - {name: camera, publisher: /camera, priority: 2}
-      - {name: other, publisher: /other, priority: 1}
-"""
-TWIST, STRING, IMAGE = "geometry_msgs/msg/Twist", "std_msgs/msg/String", "sensor_msgs/msg/Image"
+PLAN = written(
+    driving("nav", "teleop", on_silence=OnSilence.RELEASE),
+    telling("/words", STRING, "/speaker", "nav", "teleop"),
+    telling("/image", IMAGE, "/detector", "camera", "other"),
+)
 NAV, OUT = flow_topic("/cmd_vel", "nav"), output_topic("/cmd_vel")
 WORDS, WORDS_OUT = flow_topic("/words", "nav"), output_topic("/words")
 FRONT = b"\0\1\0\0"
@@ -76,58 +42,6 @@ image = Image(height=1, width={PIXELS}, step={PIXELS}, encoding="mono8", data=by
 while True:
     publisher.publish(image)
 """
-
-
-class Outside:
-    """Nodes of rclpy that publish and hear raw bytes."""
-
-    def __init__(self, domain):
-        self._session = Session(domain)
-        self._executor = SingleThreadedExecutor(context=self._session.context)
-        self._nodes = set()
-
-    def close(self):
-        self._executor.shutdown()
-        self._session.close()
-
-    def publisher(self, name, topic, type=TWIST, profile=10):
-        return self._node(name).create_publisher(interface(type).cls, topic, profile)
-
-    def listener(self, name, topic, type=TWIST, profile=1000):
-        heard = []
-        cls = interface(type).cls
-        silent = SubscriptionEventCallbacks(use_default_callbacks=False)
-        self._node(name).create_subscription(
-            cls, topic, heard.append, profile, raw=True, event_callbacks=silent
-        )
-        return heard
-
-    def wait_for(self, condition, what):
-        wait_for(lambda: self._executor.spin_once(timeout_sec=0.01) or condition(), what=what)
-
-    def say_until(self, publisher, message, condition, what):
-        """Say a message again and again until it has had its effect."""
-
-        def noticed():
-            publisher.publish(message)
-            return condition()
-
-        self.wait_for(noticed, what)
-
-    def _node(self, name):
-        node = self._session.node(name)
-        if name not in self._nodes:
-            self._nodes.add(name)
-            self._executor.add_node(node)
-        return node
-
-
-@pytest.fixture
-def stand(ros2, monkeypatch):
-    """Give places in the test's domain, each a participant of its own."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    with ExitStack() as stack:
-        yield lambda: stack.enter_context(closing(Outside(ros2.domain)))
 
 
 @pytest.fixture

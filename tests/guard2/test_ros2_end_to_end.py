@@ -3,33 +3,22 @@
 import os
 import re
 import signal
+import time
 from collections import Counter
 
 import pytest
 from harness import wait_for
 
 pytest.importorskip("rclpy")
+from outside2 import kept, twist
+from plans2 import driving, written
+
 from rtron.vocabulary import Durability, Reliability, flow_topic, output_topic
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.session import Session
 
 pytestmark = pytest.mark.ros2
-PLAN = """
-schema: rtron.plan/1
-app: robot
-ros: 2
-revision: 1
-grcn:
-  - id: grcn_cmd_vel
-    topic: /cmd_vel
-    type: geometry_msgs/msg/Twist
-    mode: enforce
-    policy: Preemption
-    successors: [/driver]
-    flows:
-      - {name: nav, publisher: /nav, priority: 2}
-      - {name: teleop, publisher: /teleop, priority: 1}
-"""
+PLAN = written(driving("nav", "teleop"))
 TOPIC = "/cmd_vel"
 NAV, OUT = flow_topic(TOPIC, "nav"), output_topic(TOPIC)
 EVIL = "9.0"
@@ -112,14 +101,23 @@ def test_the_driver_gets_the_qos_of_the_publisher(
     assert offered.durability is Durability.VOLATILE
 
 
-def test_what_was_latched_before_the_guard_came_arrives(ros2, guard, domain):
+def test_what_was_latched_before_the_guard_came_arrives_but_moves_no_driver_that_comes_late(
+    ros2, guard, domain, stand
+):
     nav = speaker(ros2, "/nav", NAV, "0.5", "10", "1", "latched")
     wait_for(lambda: "said all" in nav.log, what="the one word")
-    guard()
     driver = ros2.node("driver2.py", OUT, "latched", name="/driver")
+    guard()
     wait_for(lambda: speeds(driver)["0.5"], what="what was latched")
-    offered = offered_by_the_guard(domain)
-    assert offered.durability is Durability.TRANSIENT_LOCAL
+    came = time.monotonic()
+    assert offered_by_the_guard(domain).durability is Durability.TRANSIENT_LOCAL
+    wait_for(lambda: time.monotonic() - came > 2, what="that the word is old")
+    robot = stand()
+    late = robot.listener("/late", OUT, profile=kept(100))
+    speaker(ros2, "/teleop", flow_topic(TOPIC, "teleop"), "0.25", "10")
+    robot.wait_for(lambda: twist(0.25) in late and speeds(driver)["0.25"], "the next to speak")
+    assert speeds(driver)["0.5"] == 1
+    assert twist(0.5) not in late
 
 
 def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):

@@ -109,6 +109,15 @@ def test_the_end_of_an_action_must_be_a_topic_of_the_app():
     ]
 
 
+def test_only_a_successor_is_believed_about_the_end_of_an_action():
+    (text,) = told(with_grcn(done="/move_base/result"))
+    assert text == (
+        "error: GRCN grcn_cmd_vel, done: /move_base/result is told by /move_base, "
+        "and only a successor of /cmd_vel is believed"
+    )
+    assert told(with_grcn(done="/odom")) == []
+
+
 def test_one_topic_of_an_action_should_not_be_enforced_alone():
     goal = next(grcn for grcn in PLAN.grcn if grcn.topic == "/move_base/goal")
     cancel = replace(goal, topic="/move_base/cancel", type="actionlib_msgs/GoalID")

@@ -449,3 +449,62 @@ class TestRos2Actions:
             "error: GRCN grcn_go: /go is an action, not a topic: say its type, pkg/action/Name"
             in told
         )
+
+
+class TestRos2Poses:
+    """Poses that a server makes a goal of its own action of."""
+
+    def graph(self, *actions, topic="/goal_pose"):
+        text = (
+            shared(topic, "geometry_msgs/PoseStamped", "/rviz rviz2 own,/mission m own")
+            + f"/bt_navigator nav2 own\n sub {topic} geometry_msgs/PoseStamped\n/other o own\n"
+        )
+        served = tuple(
+            Action(node=node, name=name, type=TestRos2Actions.TYPE, role=ActionRole.SERVER)
+            for node, name in actions
+        )
+        return replace(graph_of("app", text, ros=2), actions=served)
+
+    @pytest.mark.parametrize(
+        ("topic", "actions", "done"),
+        [
+            ("/goal_pose", ["/navigate_to_pose", "/navigate_through_poses"], "/navigate_to_pose"),
+            ("/a/goal_pose", ["/a/navigate_to_pose", "/a/other"], "/a/navigate_to_pose"),
+            ("/goal", ["/go"], "/go"),
+            ("/goal_pose", ["/go", "/other"], None),
+            ("/goal_pose", [], None),
+            ("/goal_poses", ["/go"], None),
+        ],
+    )
+    def test_the_action_that_tells_when_a_pose_is_done(self, topic, actions, done):
+        graph = self.graph(*(("/bt_navigator", name) for name in actions), topic=topic)
+        grcn = grcn_of(plan_of(graph), topic)
+        assert (grcn.policy, grcn.done) == (PolicyName.PRIORITY_QUEUE, done)
+        assert {flow.timeout for flow in grcn.flows} == ({None} if done else {10 * SECOND})
+        assert check_plan(plan_of(graph), graph) == ()
+
+    def test_another_node_s_action_tells_nothing(self):
+        graph = self.graph(("/other", "/navigate_to_pose"))
+        assert grcn_of(plan_of(graph), "/goal_pose").done is None
+
+    def test_the_action_must_be_there_and_be_a_successor_s(self):
+        graph = self.graph(("/bt_navigator", "/navigate_to_pose"), ("/other", "/go"))
+        plan = plan_of(graph)
+
+        def told(done):
+            (grcn,) = (replace(each, done=done) for each in plan.grcn if each.done)
+            return [str(each) for each in check_plan(replace(plan, grcn=(grcn,)), graph)]
+
+        assert told("/navigate_to_pose") == []
+        assert told("/navigate_to_pos") == [
+            (
+                "error: GRCN grcn_goal_pose, done: no topic /navigate_to_pos in the app: "
+                "did you mean /navigate_to_pose?"
+            )
+        ]
+        assert told("/go") == [
+            (
+                "error: GRCN grcn_goal_pose, done: /go is told by /other, "
+                "and only a successor of /goal_pose is believed"
+            )
+        ]

@@ -223,6 +223,7 @@ def test_a_queue_is_for_actions_where_it_says_when_they_are_done():
         ("mode:", "domain: Planing\n    mode:", 3, "did you mean Planning?"),
         ("mode:", "sharing: merge\n    mode:", 5, "Preemption is not for /cmd_vel"),
         ("mode:", "done: /cmd_vel\n    mode:", 3, "/cmd_vel cannot tell itself"),
+        ("mode:", "done: /go/_action/status\n    mode:", 3, "name the action, /go"),
         (
             "mode:",
             "max_age: 5 minutes\n    mode:",

@@ -17,6 +17,7 @@ class OnRos2(Real):
     """A domain of the test's own; the outside nodes are one participant, the guard another."""
 
     encoding = Encoding.CDR
+    most_waiting = 100
 
     def __init__(self, ros2):
         super().__init__()

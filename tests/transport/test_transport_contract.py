@@ -1,10 +1,11 @@
 """What every transport keeps to, in memory, on a real ROS 1 and on a real ROS 2."""
 
+from dataclasses import replace
 from functools import partial
 
 import pytest
 
-from rtron.vocabulary import Durability, QoS
+from rtron.vocabulary import SECOND, Durability, QoS
 
 A, B, TALKER, LISTENER = "/rtron/a", "/rtron/b", "/talker", "/listener"
 TOPIC = "/rtron/cmd/out"
@@ -56,6 +57,13 @@ def say_until(world, say, condition):
     world.until(noticed)
 
 
+def let_pass(world, duration):
+    """Let so much time (ns) pass."""
+    over = []
+    world.transport.call_at(world.transport.now() + duration, lambda: over.append(True))
+    world.until(lambda: over)
+
+
 def said(world, count=None):
     sizes = [0, 1, 2, 3, 4, 5, 100, 5000, 100_000] if count is None else [1] * count
     return [world.text(f"{number} " + "x" * size) for number, size in enumerate(sizes)]
@@ -83,6 +91,18 @@ def test_what_goes_out_is_what_was_given(world):
         output.publish(message)
     world.until(lambda: heard[-1] == said(world)[-1])
     assert without_hello(world, heard) == said(world)
+
+
+def test_what_waits_while_the_guard_is_busy_is_the_newest_and_bounded(world):
+    ear = listening(world)
+    publisher = talking(world, ear)
+    words = said(world, 300)
+    for message in words:
+        publisher.say(message)
+    world.until(lambda: ear.messages[-1] == words[-1])
+    heard = without_hello(world, ear.messages)
+    assert heard == words[-len(heard) :]
+    assert len(heard) <= world.most_waiting
 
 
 def test_a_publisher_is_offered_once_with_its_name_and_type(world):
@@ -166,6 +186,48 @@ def test_late_subscribers_get_the_last_word_of_each(world):
     heard = world.listener(LISTENER, TOPIC, latched=True)
     world.until(lambda: len(heard) == 2)
     assert set(heard) == {world.text("2"), world.text("3")}
+
+
+def test_a_busy_flow_leaves_the_last_word_of_a_quiet_one(world):
+    output = world.transport.advertise(A, TOPIC, STRING)
+    output.learn(world.info())
+    for flow in ("quiet", "busy"):
+        output.offer(flow, LATCHED)
+    output.publish(world.text("quiet"), latched_by="quiet")
+    for number in range(20):
+        output.publish(world.text(number), latched_by="busy")
+    heard = world.listener(LISTENER, TOPIC, latched=True)
+    world.until(lambda: len(heard) == 2)
+    assert set(heard) == {world.text("quiet"), world.text(19)}
+
+
+def test_what_is_kept_outlasts_a_change_of_qos(world):
+    output = world.transport.advertise(A, TOPIC, STRING)
+    output.learn(world.info())
+    output.offer("one", LATCHED)
+    output.publish(world.text("kept"), latched_by="one")
+    output.offer("other", replace(LATCHED, deadline=SECOND))
+    heard = world.listener(LISTENER, TOPIC, latched=True)
+    world.until(lambda: heard)
+    assert heard == [world.text("kept")]
+
+
+def test_what_was_meant_for_the_moment_is_not_told_to_who_comes_late(world):
+    """Whoever is there gets all of it, also where late subscribers are told what is kept."""
+    output = world.transport.advertise(A, TOPIC, STRING)
+    output.learn(world.info())
+    output.offer("one", LATCHED)
+    here = world.listener(LISTENER, TOPIC, latched=True)
+    say_until(world, output.publish, lambda: here)
+    words = said(world, 20)
+    for word in words:
+        output.publish(word)
+    world.until(lambda: here[-1] == words[-1])
+    assert without_hello(world, here) == words
+    let_pass(world, 2 * SECOND)
+    late = world.listener("/late", TOPIC, latched=True)
+    say_until(world, lambda _: output.publish(world.text("new")), lambda: late)
+    assert set(late) == {world.text("new")}
 
 
 def test_what_is_forgotten_is_not_told(world):

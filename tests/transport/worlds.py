@@ -26,9 +26,13 @@ STEP_S = 0.02
 
 
 class World:
-    """What the worlds have in common; `encoding` is that of their messages."""
+    """What the worlds have in common; `encoding` is that of their messages.
+
+    Of one topic, `most_waiting` messages wait for a guard that is busy, where they are counted.
+    """
 
     encoding = Encoding.ROS1
+    most_waiting = 1000
 
     def __enter__(self):
         return self

@@ -36,13 +36,15 @@ def instrument(
     ],
     arguments: Annotated[
         list[str] | None,
-        typer.Argument(metavar="ARG:=VALUE", help="The launch file's arguments."),
+        typer.Argument(metavar="ARG:=VALUE", help="The arguments it is to be launched with."),
     ] = None,
     *,
     plan: PlanOption,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="OUT.launch", help="The guarded launch file."),
+        typer.Option(
+            "--output", "-o", metavar="OUT.launch", help="The guarded launch; its kind is APP's."
+        ),
     ],
     packages: Annotated[
         list[Path] | None,
@@ -69,6 +71,11 @@ def instrument(
 
     $ rtron instrument app.launch.py --plan rtron.yaml -o guarded.launch.py
     $ rtron instrument app.launch.xml --plan rtron.yaml -o guarded.launch.xml
+
+    XML and YAML are read for the arguments given, and for your environment:
+    if others decide what starts, instrument again. A guarded launch that is
+    started with the wrong ones ends at once and says which. A Python launch
+    file takes any.
 
     Exit code: 0 all is closed; 1 written, but something cannot be enforced and
     the plan does not accept it; 2 bad input.

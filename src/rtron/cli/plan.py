@@ -1,13 +1,12 @@
 """`rtron plan`."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
 from typing import Annotated
 
 import typer
 
-from rtron.cli.app import App, Chosen, chosen_app
+from rtron.cli.app import Chosen, chosen_app
 from rtron.cli.options import (
     DEFAULT_MASTER,
     Domain,
@@ -35,8 +34,8 @@ from rtron.planning.write import write_plan
 from rtron.reports.plan_text import plan_text
 from rtron.risks import discover, load_lists
 
-APP_LAUNCH = "APP.launch"
-
+_SUFFIXES = {1: ("",), 2: (".py", ".xml", ".yaml", ".yml")}
+"""What a launch file's name has behind `.launch`, by ROS; the usual one first."""
 
 Output = Annotated[
     Path | None,
@@ -114,12 +113,15 @@ def plan(  # noqa: PLR0913 - one for each option
     if output:
         replace_file(output, write_plan(proposed))
     left = remarks_of(left_out(found, report))
-    return Outcome(plan_text(proposed, _next_step(app, output, launch or ()), left))
+    if output is None:
+        return Outcome(plan_text(proposed, f"rtron plan {app.arguments} -o rtron.yaml", left))
+    app_launch = next(iter((*app.launches, *(launch or ()))), None)
+    return Outcome(plan_text(proposed, _next_step(app_launch, output, proposed.ros), left))
 
 
-def _next_step(app: App, written: Path | None, launches: Sequence[str]) -> str:
-    if written is None:
-        return f"rtron plan {app.arguments} -o rtron.yaml"
-    app_launch = next(iter((*app.launches, *launches)), APP_LAUNCH)
-    plan_file = quote(str(written))
-    return f"rtron instrument {quote(app_launch)} --plan {plan_file} -o guarded.launch"
+def _next_step(app_launch: str | None, written: Path, ros: int) -> str:
+    """Return the command that guards the app's launch file, as the plan's ROS has it."""
+    usual, *others = _SUFFIXES[ros]
+    suffix = next((end for end in others if (app_launch or "").endswith(end)), usual)
+    named = quote(app_launch or f"APP.launch{suffix}")
+    return f"rtron instrument {named} --plan {quote(str(written))} -o guarded.launch{suffix}"

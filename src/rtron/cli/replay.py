@@ -31,17 +31,19 @@ def replay(
     $ rtron replay run.mcap --plan rtron.yaml --format json -o replay.json
 
     A recording of ROS 2 does not tell who published. Where the plan has one
-    publisher for a topic, it is taken for that; else for unapproved.
+    publisher for a topic, it is taken for that; else for unapproved. Goals of
+    actions are there if service introspection was recorded; see docs/actions.md.
 
     Exit code: 0 played, 2 bad input.
     """
-    from rtron.cli.recording import recorded_messages  # noqa: PLC0415 - no other command needs it
+    from rtron.cli.recording import Recording  # noqa: PLC0415 - no other command needs it
     from rtron.guard.replay import Player  # noqa: PLC0415 - likewise
 
     logging.basicConfig(level=logging.ERROR, format="%(levelname)s %(message)s")
-    wanted = read_plan(plan)
+    recording = Recording(bag)
+    wanted = read_plan(plan, recording.definitions)
     with counting("messages") as tell:
-        found = Player(wanted).play(recorded_messages(bag, wanted.ros), tell)
+        found = Player(wanted).play(recording.messages(wanted.ros), tell)
     if format is TextOrJson.JSON:
         return Outcome(as_json(replay_to_json(found)), to=output)
     return Outcome(replay_text(str(bag), found), to=output)

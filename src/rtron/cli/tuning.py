@@ -38,8 +38,7 @@ def tuned(chosen: Tuning) -> Outcome:
     if chosen.output == STDOUT and chosen.format is TextOrJson.JSON:
         help = "leave one of the two out, or give -o a file"
         raise InputError("both the plan and its figures would be printed", help=help)
-    plan = read_plan(chosen.plan)
-    run, notes = _run(chosen.run, plan)
+    plan, run, notes = _run(chosen.run, chosen.plan)
     made, proposals = tune(plan, run)
     yaml = tuned_yaml(made, proposals)
     if chosen.output == STDOUT:
@@ -52,20 +51,24 @@ def tuned(chosen: Tuning) -> Outcome:
     return Outcome(tuning_text(title, run, proposals, notes, next_step))
 
 
-def _run(path: Path, plan: Plan) -> tuple[Run, tuple[str, ...]]:
-    """Return the figures in a file, or of a bag that is played through the plan, and notes."""
-    return _recorded(path, plan) if is_bag(path) else (read_run(path), ())
+def _run(path: Path, plan: Path) -> tuple[Plan, Run, tuple[str, ...]]:
+    """Return the plan, the figures in a file, or of a bag that is played through it, and notes."""
+    if is_bag(path):
+        return _recorded(path, plan)
+    return read_plan(plan), read_run(path), ()
 
 
-def _recorded(bag: Path, plan: Plan) -> tuple[Run, tuple[str, ...]]:
-    from rtron.cli.recording import recorded_messages  # noqa: PLC0415 - only what is read is loaded
+def _recorded(bag: Path, plan: Path) -> tuple[Plan, Run, tuple[str, ...]]:
+    from rtron.cli.recording import Recording  # noqa: PLC0415 - only what is read is loaded
     from rtron.guard.replay import Player  # noqa: PLC0415 - likewise
 
     logging.basicConfig(level=logging.ERROR, format="%(levelname)s %(message)s")
-    player = Player(plan, measured=True)
+    recording = Recording(bag)
+    wanted = read_plan(plan, recording.definitions)
+    player = Player(wanted, measured=True)
     with counting("messages") as tell:
-        found = player.play(recorded_messages(bag, plan.ros), tell)
-    return player.figures(), found.notes
+        found = player.play(recording.messages(wanted.ros), tell)
+    return wanted, player.figures(), found.notes
 
 
 def _next_step(chosen: Tuning) -> str:

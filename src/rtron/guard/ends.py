@@ -3,7 +3,16 @@
 from collections.abc import Callable, Sequence
 
 from rtron.guard.transport.transport import Output, Transport, TypeInfo
-from rtron.vocabulary import PRIVATE_ROOT, QoS, Stream, flow_topic, names_node, output_topic
+from rtron.vocabulary import (
+    PRIVATE_ROOT,
+    CoordinationKind,
+    PolicyName,
+    QoS,
+    Stream,
+    flow_topic,
+    names_node,
+    output_topic,
+)
 
 
 class Ends:
@@ -14,7 +23,8 @@ class Ends:
         self._nodes = nodes
         self._transport = transport
         self._info: TypeInfo | None = None
-        self._latching: dict[str, str | None] = {}
+        self._latching: set[str] = set()
+        self._in_turns = _in_turns(stream)
         self._outputs: list[Output] = []
         self._mirrors: dict[str, Output] = {}
         self._joints: list[Output] = []
@@ -47,8 +57,13 @@ class Ends:
         return self._info is not None and self._info.md5sum == info.md5sum
 
     def latch(self, flow: str, *, latching: bool) -> None:
-        """Keep a flow's last message for late subscribers from now on, or keep none."""
-        self._latching[flow] = flow if latching else None
+        """Keep a flow's last message for late subscribers from now on, or keep none.
+
+        Where flows take turns, the last message of all is kept as soon as one of them latches: an
+        older one of another flow is no longer so.
+        """
+        change = self._latching.add if latching else self._latching.discard
+        change(flow)
 
     def offer(self, flow: str, qos: QoS) -> None:
         """Offer what a flow's publisher offers to all who get its words."""
@@ -60,7 +75,7 @@ class Ends:
 
     def send(self, flow: str, message: bytes) -> None:
         """Send a message that a flow said, or that is said in its place."""
-        latched_by = self._latching.get(flow)
+        latched_by = self._kept_as(flow)
         if self._sent:
             self._sent(flow, message)
         for output in self._outputs:
@@ -81,6 +96,12 @@ class Ends:
         for output in (*self._outputs, *self._mirrors.values()):
             output.forget()
 
+    def _kept_as(self, flow: str) -> str | None:
+        """Return as whose last word late subscribers get what a flow says; None if as nobody's."""
+        if self._in_turns:
+            return self._stream.topic if self._latching else None
+        return flow if flow in self._latching else None
+
     def _open_outputs(self) -> None:
         stream = self._stream
         for topic in (output_topic(stream.topic), stream.topic):
@@ -99,7 +120,11 @@ class Ends:
             if any(names_node(flow.publisher, node) for node in stream.successors):
                 topic = flow_topic(stream.topic, flow.name)
                 self._mirrors[flow.name] = self._transport.advertise(
-                    self._nodes[-1], topic, stream.type, queue_size=stream.queue_size
+                    self._nodes[-1],
+                    topic,
+                    stream.type,
+                    queue_size=stream.queue_size,
+                    successors=(flow.publisher,),
                 )
 
     def _open_joints(self) -> None:
@@ -107,3 +132,10 @@ class Ends:
         for before, after, stage in zip(self._nodes, self._nodes[1:], stages, strict=False):
             joint = f"{PRIVATE_ROOT}{self._stream.topic}/{stage.id}"
             self._joints.append(self._transport.join(before, after, joint, self._stream.type))
+
+
+def _in_turns(stream: Stream) -> bool:
+    """Tell whether one flow at a time has the output, so that one word is what is so now."""
+    first = stream.stages[0]
+    is_grcn = first.coordination is CoordinationKind.GRCN
+    return is_grcn and first.settings.policy is not PolicyName.BLOCK

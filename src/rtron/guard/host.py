@@ -8,10 +8,13 @@ from functools import partial
 from rtron.guard.action.followed import FollowedStream, followed_action
 from rtron.guard.action.guarded import GuardedAction
 from rtron.guard.action.ros2.ends import CarriesRequests
+from rtron.guard.action.ros2.followed import FollowedRequests
 from rtron.guard.action.ros2.guarded import RequestedAction
 from rtron.guard.action.ros2.observed import ObservedAction
+from rtron.guard.action.sharing import SharingAction
+from rtron.guard.adaptation import Adaptation
 from rtron.guard.alarms import Alarms
-from rtron.guard.guarded import Adaptation, GuardedStream
+from rtron.guard.guarded import GuardedStream
 from rtron.guard.messages import (
     DIAGNOSTICS,
     FLOAT64,
@@ -125,6 +128,8 @@ class Host:
             action = GuardedAction(*common, dry_run=self._dry_run)
             action.halted = partial(self._halted, action)
             return action
+        if stream.done and self._transport.encoding is Encoding.CDR:
+            return FollowedRequests(*common, dry_run=self._dry_run)
         if stream.mode is Mode.ENFORCE and followed_action(stream):
             return FollowedStream(*common, dry_run=self._dry_run)
         return GuardedStream(*common, dry_run=self._dry_run)
@@ -141,13 +146,14 @@ class Host:
 
     def _follow(self) -> None:
         """Let goals without an id be followed where their action is guarded too."""
-        actions = {each.name: each for each in self.guarded if isinstance(each, GuardedAction)}
+        actions = {each.name: each for each in self.guarded if isinstance(each, SharingAction)}
         for each in self.guarded:
-            action = actions.get(followed_action(each.stream))
-            if isinstance(each, FollowedStream) and action:
-                each.follow(action)
+            if isinstance(each, FollowedStream) and each.stream.mode is Mode.ENFORCE:
+                action = actions.get(each.action)
+                if action:
+                    each.follow(action)
 
-    def _halted(self, action: GuardedAction | RequestedAction, node: str, why: str) -> None:
+    def _halted(self, action: SharingAction, node: str, why: str) -> None:
         """Keep the server of a goal that was stopped from moving the robot, until it is over."""
         for guarded in self.guarded:
             if guarded is action:

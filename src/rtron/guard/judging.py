@@ -30,7 +30,7 @@ class Judges:
         """
         definition = self._definitions.find(type)
         if definition is None:
-            help = "add its definition under `messages`, as `rosmsg show -r` prints it"
+            help = "add its text under `messages`; for ROS 2, source the workspace that has it"
             raise PlanError(f"no definition of {type or 'a type that is not named'}", help=help)
         judge = Judge(
             definition,

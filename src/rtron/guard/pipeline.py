@@ -197,9 +197,9 @@ class Pipeline:
                 verdict = given
         if verdict is None:
             raise AssertionError("a pipeline has a stage")
-        self._count(verdict)
         self._went = (flow, message, now)
         self._emit(flow, message, now)
+        self._count(verdict)
         return verdict
 
     def _completed(self, carried: "Carried") -> "Carried":

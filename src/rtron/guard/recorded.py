@@ -12,10 +12,12 @@ from rtron.vocabulary import (
     ASKED,
     PRIVATE_ROOT,
     SERVER,
+    ActionEnd,
     FpsMonitor,
     Mode,
     Plan,
     Stream,
+    end_name,
     flow_topic,
     names_node,
     normalise_type,
@@ -80,6 +82,9 @@ class Places:
     def _named(self, topic: str) -> Iterator[str]:
         for stream in self.streams:
             yield from (named for _, named in _ways(stream, topic))
+        for stream in self.streams:
+            if stream.done and topic in (stream.done, end_name(stream.done, ActionEnd.STATUS)):
+                yield from stream.successors
         if self.plan.msrcn:
             yield from (e.publisher for e in self.plan.msrcn.eflows if e.topic == topic)
         yield from (m.node for m in self.plan.fps_monitor if m.topic == topic)

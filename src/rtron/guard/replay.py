@@ -5,12 +5,13 @@ from functools import partial
 
 from rtron.guard.action.ends import STATUS
 from rtron.guard.action.guarded import GuardedAction
+from rtron.guard.action.ros2.observed import ObservedAction
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.host import Host
 from rtron.guard.measuring.measuring import Measuring
 from rtron.guard.recorded import Places, Recorded
+from rtron.guard.replayed import RecordedRequests
 from rtron.guard.senses import senses_of
-from rtron.guard.transport.memory import MemoryTransport
 from rtron.guard.transport.transport import Peer, Receive
 from rtron.guard.types import standard_info
 from rtron.messages.encoding import Encoding
@@ -44,7 +45,8 @@ class Player:
 
     def __init__(self, plan: Plan, *, measured: bool = False) -> None:
         self._places = Places.of(plan)
-        self._transport = MemoryTransport(Encoding.ROS1 if plan.ros == 1 else Encoding.CDR)
+        encoding = Encoding.ROS1 if plan.ros == 1 else Encoding.CDR
+        self._transport = RecordedRequests(encoding, self._places.definitions)
         self._measuring = Measuring(plan, self._transport) if measured else None
         senses = self._measuring.senses if self._measuring else senses_of(plan)
         self._host = Host(self._transport, self._places.streams, senses)
@@ -57,6 +59,8 @@ class Player:
         if self._measuring:
             self._measuring.watch(self._host.guarded)
         self._host.guard()
+        told = (pair for action in self._transport.actions for pair in action.receivers())
+        self._requests: dict[str, Receive] = dict(told)
         for guarded in self._host.guarded:
             self._serve(guarded)
         for guarded in self._host.guarded:
@@ -102,12 +106,15 @@ class Player:
             self._transport.jump(duration - stepped)
 
     def _connect(self, recorded: Recorded) -> Receive:
+        receive = self._requests.get(recorded.topic) or self._publisher(recorded)
+        self._receivers[recorded] = receive
+        return receive
+
+    def _publisher(self, recorded: Recorded) -> Receive:
         topic = self._places.topic(recorded)
         if not recorded.publisher:
             self._note(recorded)
-        receive = self._transport.publisher(topic, self._places.peer(recorded)) if topic else _skip
-        self._receivers[recorded] = receive
-        return receive
+        return self._transport.publisher(topic, self._places.peer(recorded)) if topic else _skip
 
     def _note(self, recorded: Recorded) -> None:
         taken = self._places.publisher(recorded)
@@ -143,15 +150,24 @@ class Player:
             duration=self._transport.now(),
             streams=tuple(map(_count, self._host.guarded)),
             changes=tuple(self._changes),
-            notes=(*dict.fromkeys(self._notes), *_strangers(self._host.guarded)),
+            notes=(*dict.fromkeys(self._notes), *self._remarks()),
             unseen=self._unseen,
         )
+
+    def _remarks(self) -> Iterator[str]:
+        """Yield what is to be said of all that was played so far."""
+        for action in self._transport.actions:
+            yield from action.notes()
+        for guarded in self._host.guarded:
+            if isinstance(guarded, ObservedAction):
+                yield f"{guarded.stream.topic}: a plan that only observes sees no goals of ROS 2"
+        yield from _strangers(self._host.guarded)
 
 
 def _strangers(guarded: Iterable[GuardedStream]) -> Iterator[str]:
     for each in guarded:
-        if each.strangers:
-            yield f"{each.stream.topic}: not in the plan: {', '.join(each.strangers)}"
+        if named := ", ".join(filter(None, each.strangers)):
+            yield f"{each.stream.topic}: not in the plan: {named}"
 
 
 def _skip(_message: bytes) -> None:

@@ -73,6 +73,7 @@ def run_guard(
         measuring.watch(host.guarded)
         measuring.keep(figures)
     door = _door(loop, plan, control, Overriding(host, transport).answer)
+    _hear_complaints(host, transport)
     auditor = _auditor(plan, master, host, transport, loop, dry_run=dry_run)
     run_host(host, transport, loop, auditor, tie, linked)
     if measuring and figures:
@@ -94,13 +95,18 @@ def _door(loop: Loop, plan: Plan, control: Path | None, answer: Answer) -> Contr
         return None
 
 
+def _hear_complaints(host: Host, transport: AnyTransport) -> None:
+    """Let what the transport cannot hear be an alarm, where it is the transport that judges it."""
+    if not isinstance(transport, Ros1Transport):
+        transport.tell(Complaints(host.alarms, transport).take)
+
+
 def _auditor(
     plan: Plan, master: str, host: Host, transport: AnyTransport, loop: Loop, *, dry_run: bool
 ) -> Auditor | Ros2Auditor:
     if isinstance(transport, Ros1Transport):
         behind = private_master(master)
         return Auditor(plan, behind, host, transport, loop, dry_run=dry_run)
-    transport.tell(Complaints(host.alarms, transport).take)
     from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
 
     return Ros2Auditor(plan, host, transport, loop, dry_run=dry_run)

@@ -22,7 +22,7 @@ _STANDARD = {
 def standard_info(type: str, encoding: Encoding) -> TypeInfo | None:
     """Return what a publisher of a standard type would say; None if the type is not standard."""
     name = normalise_type(type)
-    definition = _STANDARD[encoding].find(name)
+    definition = _known(name, encoding)
     text = standard_text(name, 1 if encoding is Encoding.ROS1 else 2)
     if definition is None or text is None:
         return None
@@ -45,12 +45,20 @@ def stamp_of(info: TypeInfo, encoding: Encoding) -> Callable[[bytes], int]:
 
 
 def _definition(info: TypeInfo, encoding: Encoding) -> Definition | None:
-    """Return what the publisher's MD5 sum stands for: its own text, or the standard one."""
+    """Return what the publisher's MD5 sum stands for: its own text, or what is known here."""
     told = _told(info)
     if told and told.md5sum == info.md5sum:
         return told
-    standard = _STANDARD[encoding].find(info.type)
-    return standard if standard and standard.md5sum == info.md5sum else None
+    known = _known(info.type, encoding)
+    return known if known and known.md5sum == info.md5sum else None
+
+
+def _known(type: str, encoding: Encoding) -> Definition | None:
+    """Return the definition of a type that is standard, or installed; None if it is of no use."""
+    try:
+        return _STANDARD[encoding].find(type)
+    except InputError:
+        return None
 
 
 def _told(info: TypeInfo) -> Definition | None:

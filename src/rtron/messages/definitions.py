@@ -1,26 +1,31 @@
-"""The definitions of message types that are known: a plan's own, and the standard ones."""
+"""The definitions of message types that are known: a plan's own, installed and standard ones."""
 
 import os
 from collections.abc import Iterable
 
+from rtron.errors import InputError, SourceError
 from rtron.messages.definition import Definition
 from rtron.messages.definition_text import enter, parse_definition
+from rtron.messages.installed import find_place
 from rtron.vocabulary import MessageDefinition, is_action_type, normalise_type
 
 
 class Definitions:
-    """The message types that a plan defines, and the standard ones of ROS 1 or ROS 2."""
+    """The message types that a plan defines, those of ROS 2 that are installed, and standard ones.
+
+    What is installed counts before what is standard: that is what publishers here say.
+    """
 
     def __init__(self, messages: Iterable[MessageDefinition] = (), *, ros: int = 1) -> None:
         self._texts = {normalise_type(each.type): each.definition for each in messages}
-        self._ros = ros
+        self.ros = ros
         self._found: dict[str, Definition | None] = {}
         self._open: list[str] = []
 
     def find(self, type: str) -> Definition | None:
-        """Return the definition of `type`, the plan's before the standard one; None if unknown.
+        """Return the definition of `type`, the plan's before all others; None if unknown.
 
-        InputError if the plan's is wrong.
+        InputError if the plan's is wrong, or the installed one cannot be used.
         """
         name = normalise_type(type)
         if name not in self._found:
@@ -31,14 +36,36 @@ class Definitions:
                 self._open.pop()
         return self._found[name]
 
+    def defines(self, type: str) -> bool:
+        """Tell whether the plan itself has a definition of `type`."""
+        return normalise_type(type) in self._texts
+
     def _parse(self, name: str) -> Definition | None:
-        text = self._texts.get(name) or _ACKERMANN.get(name)
-        if is_action_type(name):
-            return parse_definition(*_goal(name, text), lookup=self.find) if text else None
+        text = self._texts.get(name)
+        if text is not None:
+            own = _goal(name, text) if is_action_type(name) else (name, text)
+            return parse_definition(*own, lookup=self.find)
+        installed = _installed(name) if self.ros != 1 else None
+        return installed or self._standard(name)
+
+    def _standard(self, name: str) -> Definition | None:
+        text = _ACKERMANN.get(name)
         if text is not None:
             return parse_definition(name, text, lookup=self.find)
-        standard = standard_text(name, self._ros)
+        standard = None if is_action_type(name) else standard_text(name, self.ros)
         return None if standard is None else parse_definition(name, standard)
+
+
+def _installed(name: str) -> Definition | None:
+    """Return the definition of an installed type, of an action its goal's; None if it is none."""
+    place = find_place(name)
+    if place is None:
+        return None
+    try:
+        return parse_definition(place.defined, place.definition())
+    except (SourceError, InputError) as error:
+        told = f"{place.type} as it is installed here: {error}"
+        raise InputError(told, help=error.help) from error
 
 
 def _goal(action: str, text: str) -> tuple[str, str]:

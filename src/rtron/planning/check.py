@@ -10,6 +10,7 @@ from rtron.planning.form import TYPE
 from rtron.planning.frames import is_per_frame
 from rtron.planning.problem import Level, Problem
 from rtron.vocabulary import (
+    GRCN,
     PRIVATE_ROOT,
     ActionPart,
     EventFlow,
@@ -111,7 +112,7 @@ def _between(plan: Plan, app: _App) -> Iterator[Problem]:
         yield from _check_source(monitor, app)
     for grcn in plan.grcn:
         if grcn.done:
-            yield from _check_topic(f"GRCN {grcn.id}, done", grcn.done, app)
+            yield from _check_done(f"GRCN {grcn.id}, done", grcn, grcn.done, app)
 
 
 def _doubts(plan: Plan) -> Iterator[Problem]:
@@ -207,6 +208,18 @@ def _check_topic(where: str, topic: str, app: _App) -> Iterator[Problem]:
         yield Problem(
             Level.ERROR, where, f"no topic {topic} in the app: {_near(topic, app.topics)}"
         )
+
+
+def _check_done(where: str, grcn: GRCN, done: str, app: _App) -> Iterator[Problem]:
+    """Yield what keeps a topic, or an action of ROS 2, from telling that a successor is done."""
+    unknown = list(_check_topic(where, done, app))
+    yield from unknown
+    tellers = app.subscribers(done) if done in app.requested else app.publishers(done)
+    believed = any(names_node(name, node) for name in grcn.successors for node in tellers)
+    if tellers and not believed and not unknown:
+        who = " and ".join(tellers)
+        message = f"{done} is told by {who}, and only a successor of {grcn.topic} is believed"
+        yield Problem(Level.ERROR, where, message)
 
 
 def _check_publisher(

@@ -82,18 +82,25 @@ def _expression(
 ) -> Iterator[Fault]:
     try:
         definition = definitions.find(message_type)
-    except InputError:
-        return  # it is the plan's own, and told there
+    except InputError as error:
+        if not definitions.defines(message_type):
+            yield noun, key, _under(key, error)
+        return  # the plan's own is told there
     if definition is None:
-        help = f"add it under `messages`, as `rosmsg show -r {message_type}` prints it"
-        told = f"{key}: RTron does not know the type {message_type}"
-        yield noun, key, InputError(told, help=help)
+        yield noun, key, _unknown(key, message_type, definitions.ros)
         return
     text, subject = (noun.when, "event") if isinstance(noun, EventFlow) else (noun.action, key)
     try:
         check_expression(definition, text, subject, msrcn.areas, frame=noun.frame)
     except InputError as error:
         yield noun, key, _under(key, error)
+
+
+def _unknown(key: str, type: str, ros: int) -> InputError:
+    from_source = "source the workspace that has it, or add its text under `messages`"
+    from_master = f"add it under `messages`, as `rosmsg show -r {type}` prints it"
+    told = f"{key}: RTron does not know the type {type}"
+    return InputError(told, help=from_master if ros == 1 else from_source)
 
 
 def _conditions(msrcn: MSRCN) -> tuple[dict[str, Condition], list[Fault]]:

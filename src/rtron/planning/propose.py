@@ -43,6 +43,8 @@ GOAL_AGE = 60 * SECOND
 # Nothing tells when such a goal, or such a state, is done: it then counts as done after this time.
 UNSEEN_GOAL = 10 * SECOND
 UNSEEN_STATE = SECOND // 2
+# Topics of poses that a server of ROS 2 makes a goal of its own of (rviz and Nav2 name them so).
+_POSES = ("goal_pose", "goal")
 _CANNOT = "cannot be guarded"
 _UNTYPED = "the type of the action is not known"
 _CANCELS = ("actionlib_msgs/GoalID", "actionlib_msgs/msg/GoalID")
@@ -138,11 +140,23 @@ def _flows(publishers: list[str], timeout: int | None) -> tuple[Flow, ...]:
 
 
 def _done(site: Site, topic: str) -> str | None:
-    """Return the topic that tells the end of what a goal started, if the graph has it."""
+    """Return the topic, or action of ROS 2, that tells the end of what a goal started."""
+    if site.graph.ros != 1:
+        return _requested(site, topic)
     space = topic.removesuffix("/goal").removesuffix("_simple")
     served = (name for node in site.successors(topic) for name in site.servers.get(node, ()))
     names = [space, *served] if topic.endswith("/goal") else []
     return next((f"{name}/result" for name in names if f"{name}/result" in site.topics), None)
+
+
+def _requested(site: Site, topic: str) -> str | None:
+    """Return the action of ROS 2 that poses on a topic become: Nav2's, or its server's only one."""
+    space, _, last = topic.rpartition("/")
+    if last not in _POSES:
+        return None
+    served = {name for node in site.successors(topic) for name in site.servers.get(node, ())}
+    nav2 = f"{space}/navigate_to_pose"
+    return nav2 if nav2 in served else served.pop() if len(served) == 1 else None
 
 
 def _timeout(kind: StreamKind) -> int | None:

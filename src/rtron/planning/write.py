@@ -73,7 +73,8 @@ _SECTIONS = {
 # when that is somebody else (`on_foreign: alarm`) or stops the robot too (`stop`).
 """,
     "messages": """
-# Message types that RTron does not know, as `rosmsg show -r TYPE` prints them.
+# Message types that RTron does not know, as `rosmsg show -r TYPE` prints them, or as their files in
+# ROS 2 say.
 """,
     "accept_unenforceable": """
 # What cannot be guarded and was accepted.

@@ -65,7 +65,14 @@ from rtron.vocabulary.graph import (
     Topic,
     Unresolved,
 )
-from rtron.vocabulary.launch import LaunchFile, LaunchInclude, LaunchNode, LaunchTree, Remap
+from rtron.vocabulary.launch import (
+    LaunchChoice,
+    LaunchFile,
+    LaunchInclude,
+    LaunchNode,
+    LaunchTree,
+    Remap,
+)
 from rtron.vocabulary.names import (
     GUARD_NODE,
     PRIVATE_ROOT,
@@ -194,6 +201,7 @@ __all__ = [
     "GuardState",
     "GuardedTopic",
     "InteractionGraph",
+    "LaunchChoice",
     "LaunchFile",
     "LaunchInclude",
     "LaunchNode",

@@ -41,7 +41,8 @@ class LaunchNode:
     `element` counts the elements of its file in document order, the root being 0. `anonymous`
     means that the name changes at every start (`$(anon …)`); `name` then is a pattern with `*`.
     `environ` has the `<env>` in force, the last of a name counts. `conditional` means that it
-    starts under a condition that is not known.
+    starts under a condition that is not known. In ROS 2, where the first remap of a name counts,
+    the first `shared` ones are not the element's own.
     """
 
     name: str
@@ -54,6 +55,7 @@ class LaunchNode:
     line: int = 0
     anonymous: bool = False
     conditional: bool = False
+    shared: int = 0
 
     @property
     def namespace(self) -> str:
@@ -93,15 +95,28 @@ class LaunchFile:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LaunchChoice:
+    """An argument that decides what a launch starts, under which names; or an environment variable.
+
+    `values` are those for which a LaunchTree holds; None stands for not being given.
+    """
+
+    name: str
+    values: tuple[str | None, ...]
+    environment: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchTree:
     """A launch file with everything it includes, evaluated for one set of arguments.
 
     `parameters` is the parameter server once everything has started; a value that cannot be
-    known is an UnknownValue.
+    known is an UnknownValue. `choices` are what the tree depends on, so far as that is tracked.
     """
 
     root: LaunchFile
     unresolved: tuple[Unresolved, ...] = ()
+    choices: tuple[LaunchChoice, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
 
     def nodes(self) -> tuple[LaunchNode, ...]:

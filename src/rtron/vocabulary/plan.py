@@ -94,7 +94,8 @@ class GRCN:
 
     `release_after` (ns): silence after which a flow gives up the output (Preemption).
     `max_age` (ns): a queued message older than this is dropped. `max_hold` (ns): the longest that
-    one action may hold the output. `done`: a topic whose message ends the action in progress.
+    one action may hold the output. `done`: a topic whose message ends the action in progress, or an
+    action of ROS 2 that goals without an id become.
     `queue_size`: messages kept for a waiting flow or a slow subscriber.
     """
 
@@ -247,7 +248,8 @@ class Audit:
 class MessageDefinition:
     """A message type that RTron does not know: its definition, as `rosmsg show -r` writes it.
 
-    Other types that it names follow after lines of `=` and `MSG: pkg/Name`.
+    For ROS 2, of an action too, it is the text of the type's file. Other types that it names follow
+    after lines of `=` and `MSG: pkg/Name`.
     """
 
     type: str

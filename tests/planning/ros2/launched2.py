@@ -8,6 +8,7 @@ from pathlib import Path
 
 DOUBLE = Path(__file__).parents[2] / "ros2" / "launch_double"
 HEAD = """\
+import launch.events
 from launch import LaunchDescription
 from launch.actions import *
 from launch.conditions import IfCondition, UnlessCondition
@@ -26,9 +27,9 @@ REMAPS = {
 }
 
 
-def launch(path, *arguments):
+def launch(path, *arguments, double=DOUBLE):
     """Return what `ros2 launch PATH ARGUMENTS` would start."""
-    command = [sys.executable, DOUBLE / "run_launch.py", path, *arguments]
+    command = [sys.executable, double / "run_launch.py", path, *arguments]
     ran = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert ran.returncode == 0, ran.stderr
     return json.loads(ran.stdout)

@@ -87,7 +87,9 @@ def test_each_node_gets_its_remaps_and_all_else_stays(guard, tmp_path):
 def test_the_guard_is_the_first_thing_started(guard):
     result = guard(TELEOP + BASE + CONTROLLER)
     assert result.launch.read_text().startswith(
-        '<launch>\n  <executable cmd="$(dirname)/guarded.launch.d/guard" name="rtron_guard"'
+        '<launch>\n  <let name="rtron_folder" value="$(dirname)/guarded.launch.d"/>\n'
+        '  <include file="$(var rtron_folder)/arguments.launch.py"/>\n'
+        '  <executable cmd="$(var rtron_folder)/guard" name="rtron_guard"'
     )
     script = (result.folder / "guard").read_text()
     assert script == "#!/bin/sh\nexec g 'it'\"'\"'s' --plan \"${0%/*}/rtron.yaml\"\n"
@@ -132,10 +134,25 @@ def test_set_remap_hits_publisher_and_successor_and_each_gets_its_own(guard, tmp
     assert '-- x "a b"' in result.launch.read_text()
 
 
-def test_a_set_remap_ends_with_its_group(guard, tmp_path):
+def test_own_remaps_of_other_nodes_do_not_hide_what_counts_first(guard, tmp_path):
+    other = '<remap from="other:a" to="b"/>'
+    result = guard(f'<set_remap from="v" to="/cmd_vel"/>{TELEOP[:-2]}>{other}</node>{BASE}')
+    assert leads(result.launch, tmp_path)["/teleop"]["/v"] == FIRST
+
+
+def test_a_node_of_no_name_under_a_set_remap_gets_its_rules_before_it(guard):
+    result = guard('<set_remap from="v" to="/cmd_vel"/><node pkg="c" exec="c"/>' + TELEOP)
+    text = result.launch.read_text()
+    assert f'args="--ros-args -r base:v:={OUT} -r base:/cmd_vel:={OUT} -r controller:v:' in text
+
+
+def test_a_set_remap_that_leaves_its_group_is_closed_as_well(guard, tmp_path):
     inside = '<group><set_remap from="v" to="/cmd_vel"/></group>'
+    result = guard(inside + TELEOP)
+    assert leads(result.launch, tmp_path)["/teleop"] == {"/cmd_vel": FIRST}
     result = guard(f'<set_remap from="w" to="/x"/>{inside}{TELEOP}')
-    assert leads(result.launch, tmp_path)["/teleop"] == {"/w": "/x", "/cmd_vel": FIRST}
+    found = leads(result.launch, tmp_path)["/teleop"]
+    assert found == {"/w": "/x", "/v": FIRST, "/cmd_vel": FIRST}
 
 
 def test_rules_in_a_nodes_arguments_count_before_all_others(guard, tmp_path):
@@ -248,7 +265,8 @@ def test_a_namespace_that_only_the_launch_knows_is_matched_by_the_name(guard):
 
 def test_the_five_names_of_an_action_move_below_its_private_name(guard, tmp_path):
     type = "nav2_msgs/action/NavigateToPose"
-    result = guard(TELEOP + BASE, topic="/go", type=type)
+    result = guard(TELEOP + BASE + CONTROLLER, topic="/go", type=type)
+    assert said(result) == []
     found = leads(result.launch, tmp_path)
     ends = ("send_goal", "cancel_goal", "get_result", "feedback", "status")
     assert found["/teleop"] == {f"/go/_action/{e}": f"/rtron/go/teleop/_action/{e}" for e in ends}
@@ -263,7 +281,7 @@ def test_includes_are_led_to_changed_copies_others_stay(guard, tmp_path):
     include = '<include file="$(dirname)/{}.launch.xml"><arg name="a" value="b"/></include>'
     result = guard(include.format("in") + include.format("still") + BASE)
     text = result.launch.read_text()
-    assert 'file="$(dirname)/guarded.launch.d/01_in.launch.xml"' in text
+    assert f'file="$(var rtron_folder {result.folder})/01_in.launch.xml"' in text
     assert f'file="{tmp_path}/still.launch.xml"' in text
     assert f'exec="{tmp_path}/x"' in (result.folder / "01_in.launch.xml").read_text()
     assert leads(result.launch, tmp_path)["/teleop"] == {"/cmd_vel": FIRST}
@@ -332,9 +350,12 @@ def test_yaml_is_changed_in_place(guard, tmp_path):
     kept = [line for line in YAML.splitlines() if "name: base" not in line]
     left = iter(text.splitlines())
     assert all(any(line.strip() in other for other in left) for line in kept)
-    first = yaml.safe_load(text)["launch"][0]["executable"]
-    assert first["cmd"] == "$(dirname)/guarded.launch.d/guard"
-    assert first["respawn"] is True
+    let, check, guard, *_ = yaml.safe_load(text)["launch"]
+    folder = {"name": "rtron_folder", "value": "$(dirname)/guarded.launch.d"}
+    assert let == {"let": folder}
+    assert check == {"include": {"file": "$(var rtron_folder)/arguments.launch.py"}}
+    assert guard["executable"]["cmd"] == "$(var rtron_folder)/guard"
+    assert all(isinstance(value, str) for value in guard["executable"].values())
 
 
 def test_yaml_with_set_remap_children_and_include(guard, tmp_path):
@@ -382,9 +403,12 @@ def test_hostile_files_are_refused_with_their_place(tmp_path, kind, text, why):
 
 def test_a_file_that_includes_itself_ends(tmp_path):
     app = tmp_path / "app.launch.xml"
-    app.write_text('<launch><include file="$(filename)"/><include file="$(filename)"/></launch>')
+    app.write_text('<launch><include file="$(filename)"/></launch>')
     tree = read_launch2(app, {}, {}, {})
-    assert any("or itself" in one.why for one in tree.unresolved)
+    assert any("include each other" in one.why for one in tree.unresolved)
+    app.write_text('<launch><include file="$(filename)"/><include file="$(filename)"/></launch>')
+    with pytest.raises(InputError, match="includes itself"):
+        read_launch2(app, {}, {}, {})
 
 
 def test_a_missing_argument_is_named(tmp_path):
@@ -412,3 +436,59 @@ def test_a_guarded_launch_is_not_guarded_again(guard, tmp_path, kind, text):
     plan = PLAN.format(topic="/cmd_vel", type="geometry_msgs/Twist")
     with pytest.raises(InputError, match="guard already"):
         instrument_ros2(tree, parse_plan(plan), tmp_path / f"g2.launch.{kind}", plan_text=plan)
+
+
+def test_other_arguments_than_those_it_was_made_for_end_the_launch(guard, tmp_path):
+    robots = {"a": TELEOP, "b": BASE}
+    for name, text in robots.items():
+        (tmp_path / f"{name}.launch.xml").write_text(f"<launch>{text}</launch>")
+    result = guard('<arg name="r" default="a"/><include file="$(dirname)/$(var r).launch.xml"/>')
+    check = result.folder / "arguments.launch.py"
+    assert launch(check)["error"] == launch(check, "r:=a", "map:=house")["error"] == ""
+    error = launch(check, "r:=b")["error"]
+    assert "not guarded for r:=b instead of r:=a: run `rtron instrument` again" in error
+    assert "ros_namespace:=x" in launch(check, "ros_namespace:=x")["error"]
+
+
+def test_another_environment_than_that_it_was_made_for_ends_the_launch(guard, monkeypatch):
+    result = guard(f'<push_ros_namespace namespace="$(env WHERE)"/>{TELEOP}')
+    check = result.folder / "arguments.launch.py"
+    monkeypatch.setenv("WHERE", "nav")
+    assert launch(check)["error"] == ""
+    monkeypatch.setenv("WHERE", "it's")
+    assert "WHERE:=it's instead of WHERE:=nav" in launch(check)["error"]
+    monkeypatch.delenv("WHERE")
+    assert "no WHERE instead of WHERE:=nav" in launch(check)["error"]
+
+
+def test_a_publisher_that_no_file_starts_is_noted(guard):
+    notes = guard(BASE + TELEOP).notes
+    assert [note for note in notes if "/nav/controller is not started" in note]
+
+
+def test_a_process_that_is_no_node_leaves_open_what_the_plan_misses(guard):
+    result = guard('<executable cmd="ros2 run c controller"/>' + BASE + TELEOP)
+    assert said(result) == ["/nav/controller"]
+    assert "ros2 run c controller" in result.unenforceable[0].why
+
+
+def test_what_looks_like_a_substitution_in_a_name_stays_text(guard):
+    node = TELEOP.replace("/>", '><remap from="$(var a \'\\$(command x)\')" to="/cmd_vel"/></node>')
+    text = guard(node + BASE).launch.read_text()
+    assert f'<remap from="\\$(command x)" to="{FIRST}"/>' in text
+
+
+@pytest.mark.parametrize("folder", ['a"b', "a$b", "a&b"])
+@pytest.mark.parametrize("kind", ["xml", "yaml"])
+def test_a_folder_whose_name_a_launch_file_cannot_say(tmp_path, kind, folder):
+    app = tmp_path / folder / f"app.launch.{kind}"
+    app.parent.mkdir()
+    text = {
+        "xml": "<launch><log message='$(dirname)'/></launch>",
+        "yaml": "launch: [log: {m: $(dirname)}]",
+    }
+    app.write_text(text[kind])
+    plan = PLAN.format(topic="/cmd_vel", type="geometry_msgs/Twist")
+    tree = read_launch2(app, {}, {}, {})
+    with pytest.raises(InputError, match="cannot stand in a launch file"):
+        instrument_ros2(tree, parse_plan(plan), tmp_path / f"g.launch.{kind}", plan_text=plan)

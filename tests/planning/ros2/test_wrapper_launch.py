@@ -1,7 +1,9 @@
 """A guarded Python launch file, run against the double of launch and launch_ros."""
 
+import shutil
+
 import pytest
-from launched2 import REMAPS, rules
+from launched2 import DOUBLE, HEAD, REMAPS, launch, rules
 
 HANDLED = (
     "RegisterEventHandler(OnProcessExit(on_exit={}, handle_once=True)), ExecuteProcess(cmd=['ls'])"
@@ -141,6 +143,17 @@ def test_what_starts_later_or_deeper_is_guarded_too(guarded, later):
     assert (launched["error"], launched["shutdown"]) == ("", False)
 
 
+def test_a_timer_is_guarded_where_timers_ran_before(guarded, tmp_path):
+    guarded(f"TimerAction(period=1.0, actions=({node('teleop')},))")
+    outer = tmp_path / "outer.launch.py"
+    include = "IncludeLaunchDescription(AnyLaunchDescriptionSource('{}'))"
+    imported = "from launch.launch_description_sources import AnyLaunchDescriptionSource\n"
+    first = "TimerAction(period=1.0, actions=[])"
+    inner = include.format(tmp_path / "guarded.launch.py")
+    outer.write_text(imported + HEAD.format(f"{first}, {inner}"))
+    assert TELEOP in own(launch(outer))[0]
+
+
 def test_a_handler_of_the_app_can_still_be_unregistered(guarded):
     handler = f"(h := OnProcessExit(on_exit=[{node('teleop')}]))"
     body = f"RegisterEventHandler({handler}), UnregisterEventHandler(h), ExecuteProcess(cmd=['ls'])"
@@ -149,23 +162,57 @@ def test_a_handler_of_the_app_can_still_be_unregistered(guarded):
     assert launched["started"] == [["ls"]]
 
 
-def test_a_node_that_the_wrapper_cannot_see_ends_the_launch(guarded):
-    launched = guarded(f"ExecuteProcess(cmd=['ls'], on_exit=[{node('teleop')}])")
-    assert "without its rules" in launched["shutdown"]
-    launched = guarded(f"ExecuteProcess(cmd=['ls'], on_exit=[{node('nobody')}])")
+UNSEEN = (
+    "OpaqueFunction(function=lambda context: context.emit_event_sync("
+    "launch.events.IncludeLaunchDescription(LaunchDescription([{}]))))"
+)
+
+
+@pytest.mark.parametrize("on_exit", ["[{}]", "{}", "lambda event, context: [{}]"])
+def test_what_starts_when_a_process_ends_is_guarded_too(guarded, on_exit):
+    inside = on_exit.format(node("teleop"))
+    launched = guarded(f"ExecuteProcess(cmd=['ls'], on_exit={inside})")
+    assert TELEOP in own(launched)[-1]
     assert launched["shutdown"] is False
 
 
-def test_ros2_run_as_a_process_is_a_node_as_well(guarded):
-    cmd = ["ros2", "run", "p", "x", "--ros-args", "-r", "__node:=teleop"]
-    assert TELEOP in own(guarded(f"ExecuteProcess(cmd={cmd})"))[0]
+def test_a_node_that_the_wrapper_cannot_see_ends_the_launch(guarded):
+    launched = guarded(UNSEEN.format(node("teleop")))
+    assert "without its rules" in launched["shutdown"]
+    launched = guarded(UNSEEN.format(node("nobody")))
+    assert launched["shutdown"] is False
 
 
-def test_a_node_in_a_shell_command_is_told(guarded):
-    cmd = ["ros2 run p x --ros-args -r __node:=teleop"]
+def test_components_that_the_wrapper_cannot_see_end_the_launch(guarded):
+    load = "LoadComposableNodes(target_container='/box', composable_node_descriptions=[{}])"
+    launched = guarded(UNSEEN.format(load.format(component("teleop"))))
+    assert "was loaded into a container" in launched["shutdown"]
+    launched = guarded(load.format(component("teleop")))
+    assert launched["shutdown"] is False
+
+
+@pytest.mark.parametrize("named", [[], ["--ros-args", "-r", "__node:=teleop"]])
+def test_ros2_run_as_a_process_is_a_node_as_well(guarded, named):
+    cmd = ["/opt/ros/bin/ros2", "run", "p", "x", "arg", *named]
+    launched = guarded(f"ExecuteProcess(cmd={cmd})")
+    assert TELEOP in own(launched)[0]
+    assert launched["started"][0][:5] == cmd[:5]
+    assert not any("no rules" in told for told in launched["told"])
+
+
+@pytest.mark.parametrize(
+    "cmd",
+    [["ros2 run p x --ros-args -r __node:=teleop"], ["gzserver"], ["ros2", "launch", "p", "x"]],
+)
+def test_a_process_that_gets_no_rules_is_told(guarded, cmd):
     launched = guarded(f"ExecuteProcess(cmd={cmd}, shell=True)")
     assert launched["started"] == [cmd]
-    assert "shell command" in launched["told"][0]
+    assert "get no rules: " + " ".join(cmd) in launched["told"][0]
+
+
+def test_of_the_guard_itself_nothing_is_told(guarded):
+    launched = guarded(f"{node('teleop')}, {node('base')}", guard="d/guard")
+    assert launched["told"] == []
 
 
 def test_components_get_the_rules_in_their_load_requests_before_their_own(guarded):
@@ -177,7 +224,7 @@ def test_components_get_the_rules_in_their_load_requests_before_their_own(guarde
     first, second = launched["loaded"]
     expected = ["teleop:/out:=/rtron/cmd_vel/teleop", TELEOP]
     assert first["rules"] == [*expected, "out:=/cmd_vel", "c:=d"]
-    assert second["rules"] == [*expected, "out:=/cmd_vel"]
+    assert second["rules"] == ["out:=/cmd_vel"]
     assert launched["error"] == ""
 
 
@@ -199,6 +246,28 @@ def test_components_by_namespace_condition_and_set_remap(guarded):
         "out:=/cmd_vel",
     ]
     assert second[0] == "teleop:/b/out:=/rtron/cmd_vel/second"
+
+
+def test_components_of_one_name_in_one_load(guarded):
+    table = {
+        "/a/teleop": {"/cmd_vel": "/rtron/cmd_vel/first"},
+        "/b/teleop": {"/cmd_vel": "/rtron/cmd_vel/second"},
+    }
+    nodes = ", ".join(component("teleop", namespace=f"'/{space}'") for space in "ab")
+    load = f"LoadComposableNodes(target_container='/x', composable_node_descriptions=[{nodes}])"
+    first, second = (one["rules"] for one in guarded(load, table=table)["loaded"])
+    assert first == ["teleop:/cmd_vel:=/rtron/cmd_vel/first"]
+    assert second == ["teleop:/cmd_vel:=/rtron/cmd_vel/second"]
+
+
+def test_what_a_load_shares_with_others_stays_and_a_load_that_is_off_is_not_read(guarded):
+    load = "LoadComposableNodes(target_container='/x', composable_node_descriptions=[{}]{})"
+    off = load.format(component("LC"), ", condition=IfCondition('false')")
+    off = off.replace("'LC'", "LaunchConfiguration('nowhere')")
+    body = f"SetRemap('a', 'b'), {load.format(component('teleop'), '')}, {off}, {node('other')}"
+    launched = guarded(body)
+    assert [one["rules"] for one in launched["loaded"]] == [[TELEOP, "a:=b"]]
+    assert own(launched)[0][-1] == "a:=b"
 
 
 def test_the_rules_of_one_load_reach_no_other(guarded):
@@ -224,15 +293,6 @@ def test_arguments_are_shown_required_and_handed_over(guarded):
     assert "missing required argument 'n'" in guarded(body)["error"]
 
 
-def test_the_apps_file_is_run_once(guarded, tmp_path):
-    log = tmp_path / "log"
-    body = (
-        f"OpaqueFunction(function=lambda context: []) if open({str(log)!r}, 'a').write('x') else 0"
-    )
-    guarded(body)
-    assert log.read_text() == "x"
-
-
 def test_the_guard_starts_first_and_gets_no_rule(guarded, tmp_path):
     launched = guarded(node("teleop"), guard="it's.d/guard")
     assert launched["started"][0] == [f"{tmp_path}/it's.d/guard"]
@@ -240,3 +300,22 @@ def test_the_guard_starts_first_and_gets_no_rule(guarded, tmp_path):
 
 def test_a_node_of_the_plan_that_never_starts_is_told(guarded):
     assert "/base" in guarded(node("teleop"))["told"][0]
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [
+        ("actions.py", "ros_remaps"),
+        ("actions.py", "__composable_node_descriptions"),
+        ("descriptions.py", "__remappings"),
+    ],
+)
+def test_another_launch_ros_starts_nothing(guarded, tmp_path, file, name):
+    guarded(node("teleop"))
+    other = tmp_path / "double"
+    shutil.copytree(DOUBLE, other)
+    changed = other / "launch_ros" / file
+    changed.write_text(changed.read_text().replace(name, f"{name}_now"))
+    launched = launch(tmp_path / "guarded.launch.py", double=other)
+    assert "does not know this launch_ros" in launched["error"] or "cannot see" in launched["error"]
+    assert launched["started"] == []

@@ -6,6 +6,7 @@ import sys
 
 from launch import LaunchContext, LaunchDescriptionEntity
 from launch.actions import IncludeLaunchDescription, _Starting
+from launch.events import IncludeLaunchDescription as IncludeEvent
 from launch.events import Shutdown
 from launch.launch_description_sources import AnyLaunchDescriptionSource
 
@@ -22,10 +23,13 @@ def process(event, context):
     if isinstance(event, _Starting):
         event.start(context)
         return
+    if isinstance(event, IncludeEvent):
+        visit_all(event.launch_description, context)
     if isinstance(event, Shutdown):
         context.is_shutdown = context.is_shutdown or event.reason
     for handler in tuple(context.handlers):
         if handler.matches(event):
+            context.event = event
             given = handler.handle(event, context)
             given = given if isinstance(given, (list, tuple)) else [given]
             for entity in given:
@@ -39,10 +43,11 @@ def run(path, arguments):
     handler = logging.Handler()
     handler.emit = lambda record: told.append(record.getMessage())
     logging.getLogger("rtron").addHandler(handler)
-    error = ""
+    error, declared = "", []
     description = AnyLaunchDescriptionSource(path)
-    declared = [a.name for a in description.get_launch_description(context).get_launch_arguments()]
     try:
+        shown = description.get_launch_description(context).get_launch_arguments()
+        declared = [argument.name for argument in shown]
         visit_all(IncludeLaunchDescription(description, launch_arguments=arguments), context)
         while context.events and not context.is_shutdown:
             process(context.events.popleft(), context)

@@ -2,6 +2,7 @@
 
 import json
 import signal
+from contextlib import closing
 
 import pytest
 
@@ -201,26 +202,32 @@ def test_a_domain_too_large_is_refused(app, monkeypatch, limit, what):
         Ros2Live(app.domain, LONG_S).read()
 
 
-def test_a_look_that_takes_too_long_is_ended(session):
-    domain = Domain(session, "/_asking")
+@pytest.fixture
+def domain(session):
+    with closing(Domain(session, "/_asking")) as domain:
+        yield domain
+
+
+def test_a_look_that_takes_too_long_is_ended(domain):
     wait_for(lambda: domain.look(LONG_S).endpoints, what="an endpoint")
     with pytest.raises(SourceError, match="more than there is time for"):
         domain.look(0.0)
 
 
-def test_names_that_are_none_are_counted_and_left_out(session, monkeypatch):
-    domain = Domain(session, "/_asking")
+def test_names_that_are_none_are_counted_and_left_out(session, domain, monkeypatch):
     wait_for(lambda: domain.look(LONG_S).endpoints, what="an endpoint")
-    honest = session.node("/_asking").get_topic_names_and_types()
     bad = [("/{node}/x", ["a"]), ("/a b", ["b"]), ("", ["c"]), ("/é\n", ["d"])]
     node = session.node("/_asking")
-    monkeypatch.setattr(node, "get_topic_names_and_types", lambda: [*bad, *honest])
+    honest = node.get_topic_names_and_types
+
+    def lying(**options):
+        return honest(**options) if options else [*bad, *honest()]
+
+    monkeypatch.setattr(node, "get_topic_names_and_types", lying)
     assert domain.look(LONG_S).malformed == len(bad)
 
 
-def test_names_that_are_no_text_are_an_error(session, monkeypatch):
-    domain = Domain(session, "/_asking")
-
+def test_names_that_are_no_text_are_an_error(session, domain, monkeypatch):
     def undecodable(**_):
         b"\xff".decode()
 
@@ -234,10 +241,11 @@ def test_names_that_are_no_text_are_an_error(session, monkeypatch):
 def test_a_stranger_with_our_nodes_name_is_seen(app, session):
     name = "/_asking"
     other = app.node("nodes2.py", name, ">/hidden_by_name:std_msgs/String")
-    domain = Domain(session, name)
-    wait_for(lambda: name in domain.look(LONG_S).nodes, what="the other of that name")
-    wait_for(lambda: domain.look(LONG_S).named, what="its name")
-    assert {e.node for e in domain.look(LONG_S).endpoints if e.topic == "/hidden_by_name"} == {name}
+    with closing(Domain(session, name)) as domain:
+        wait_for(lambda: name in domain.look(LONG_S).nodes, what="the other of that name")
+        wait_for(lambda: domain.look(LONG_S).named, what="its name")
+        ends = domain.look(LONG_S).endpoints
+    assert {end.node for end in ends if end.topic == "/hidden_by_name"} == {name}
     other.tell(signal.SIGINT)
 
 

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TypeVar
 
 from rtron.errors import WireError
-from rtron.guard.action.guarded import GuardedAction
+from rtron.guard.action.sharing import SharingAction
 from rtron.guard.guarded import GuardedStream
 from rtron.guard.seldom import Seldom
 from rtron.guard.senses import Senses
@@ -48,13 +48,18 @@ class FollowedStream(GuardedStream):
     ) -> None:
         super().__init__(stream, transport, senses, will, dry_run=dry_run)
         self._following = Following()
-        self._guarded: GuardedAction | None = None
+        self._guarded: SharingAction | None = None
         self._cancelled: bytes | None = None
         self._said = 0
         self._cancels: Output | None = None
         self._seldom = Seldom()
 
-    def follow(self, action: GuardedAction) -> None:
+    @property
+    def action(self) -> str:
+        """The name of the action that the goals become."""
+        return followed_action(self.stream)
+
+    def follow(self, action: SharingAction) -> None:
         """Hear of goals from the guard of the action, which nobody else hears first."""
         self._guarded = action
         action.began.append(self._wait)
@@ -80,13 +85,15 @@ class FollowedStream(GuardedStream):
             self._cancels.publish(cancel_message(goal))
 
     def _open_done(self) -> None:
-        if self._guarded:
-            return
-        super()._open_done()
-        action = followed_action(self.stream)
-        status = part_topic(action, ActionPart.STATUS)
+        if not self._guarded:
+            super()._open_done()
+            self._open_action()
+
+    def _open_action(self) -> None:
+        """Hear of goals from an action that has no guard."""
+        status = part_topic(self.action, ActionPart.STATUS)
         self._transport.subscribe(self.nodes[0], status, _STATUS, self._connect_status)
-        topic = part_topic(action, ActionPart.CANCEL)
+        topic = part_topic(self.action, ActionPart.CANCEL)
         info = standard_info(_CANCEL, self._transport.encoding)
         self._cancels = self._transport.advertise(self.nodes[0], topic, _CANCEL)
         if info:

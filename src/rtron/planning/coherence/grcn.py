@@ -37,6 +37,9 @@ def grcn_misfits(grcn: GRCN) -> Iterator[Misfit]:
         yield grcn, "policy", f"{grcn.policy} is not for {grcn.topic}: {why}; choose Block"
     if grcn.done == grcn.topic:
         yield grcn, "done", f"{grcn.topic} cannot tell itself that an action is done"
+    action, of_action, _ = (grcn.done or "").partition("/_action/")
+    if of_action:
+        yield grcn, "done", f"{grcn.done} is part of an action: name the action, {action}"
 
 
 def _shared_names(grcn: GRCN) -> Iterator[Misfit]:

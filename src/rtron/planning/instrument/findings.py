@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from rtron.planning.instrument.instrumented import Unenforceable
 from rtron.planning.instrument.nodelets import loaders, manager_of
-from rtron.planning.instrument.wiring import Wiring, side_of
+from rtron.planning.instrument.wiring import Wiring, names_of, side_of
 from rtron.vocabulary import LaunchNode, LaunchTree, Stream, names_node
 
 
@@ -106,7 +106,8 @@ class Findings:
         if any(node in self.lost for node in nodes):
             return True
         placed = (remap for node in nodes for remap in self.wiring.get(node, ()))
-        return any(remap.topic == stream.topic for remap in placed)
+        names = names_of(stream)
+        return any(remap.topic in names for remap in placed)
 
     def _unread(self) -> str:
         unread = ", ".join(unresolved.what for unresolved in self.tree.unresolved)

@@ -13,7 +13,7 @@ _ENCODING = re.compile(r"""\A(\ufeff?<\?xml[^>]*?encoding\s*=\s*)["'][^"']*["']"
 _QUOTED = re.compile(rb"\"[^\"]*\"|'[^']*'")
 _DIRNAME = re.compile(rb"\$\( *dirname(?: [^()$]*)?\)")
 _DIRNAME_CALL = re.compile(rb"\bdirname\s*\(\s*\)")
-_PLAIN = re.compile(r"""[^"'&<>$\\\x00-\x1f]*""")
+PLAIN = re.compile(r"""[^"'&<>$\\\x00-\x1f]*""")
 
 
 def source_text(path: str, folder: str) -> LaunchText:
@@ -49,7 +49,7 @@ def _with_folder(text: bytes, elements: tuple[Span, ...], folder: str, path: str
     places = list(_evaluated(text, elements))
     written = [(*place, _written_out(text[slice(*place)], folder)) for place in places]
     changes = [change for change in written if change[2] != text[change[0] : change[1]]]
-    if changes and not _PLAIN.fullmatch(folder):
+    if changes and not PLAIN.fullmatch(folder):
         raise InputError("lies in a folder whose name cannot stand in a launch file", path=path)
     return spliced(text, changes)
 

@@ -83,6 +83,13 @@ def wire(tree: LaunchTree, enforced: tuple[Stream, ...]) -> Wiring:
     return {node: tuple(_remaps(node, found)) for node, found in sides.items() if found}
 
 
+def names_of(stream: Stream) -> frozenset[str]:
+    """Return the names that nodes have for a stream: its topic, or all of an action of ROS 2."""
+    if is_action_type(stream.type):
+        return frozenset(end_name(stream.action, end) for end in ActionEnd)
+    return frozenset({stream.topic})
+
+
 def side_of(node: LaunchNode, stream: Stream) -> Side | None:
     """Return a launched node's side in a stream.
 

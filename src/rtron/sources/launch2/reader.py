@@ -1,44 +1,33 @@
 """ROS 2's launch files in XML and YAML, evaluated: nodes, their namespaces and their remaps.
 
-Sources: docs.ros.org, launch file formats; the docstrings of launch and launch_ros.
-Nothing is run, and no Python launch file is looked into: it stands in the tree without nodes.
+Sources: docs.ros.org, launch file formats; the docstrings of launch and launch_ros, and what both
+do when they run. Nothing is run, and no Python launch file is looked into: it stands in the tree
+without nodes.
 """
 
 import os.path
-import re
-import shlex
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from heapq import heappop, heappush
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.launch.unresolvable import MissingArgumentError, UnresolvableError
+from rtron.sources.launch.unresolvable import MissingArgumentError
+from rtron.sources.launch2.bounds import MAX_INCLUDED
+from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.element import Element, parse_elements
-from rtron.sources.launch2.scope import UNKNOWN, Scope
-from rtron.sources.launch2.substitution import Substitution, environment, truth, variable
-from rtron.vocabulary import (
-    GUARD_NODE,
-    Evidence,
-    LaunchFile,
-    LaunchInclude,
-    LaunchNode,
-    LaunchTree,
-    Remap,
-    Unresolved,
-)
-from rtron.vocabulary.launch import canonical_name
-
-MAX_FILES = 500
-MAX_INCLUDED = 32
+from rtron.sources.launch2.evaluator import Evaluator
+from rtron.sources.launch2.place import Place
+from rtron.sources.launch2.scope import NAMESPACE, Scope, Source
+from rtron.sources.launch2.settings import HARMLESS, PUSHES, SETTINGS
+from rtron.vocabulary import GUARD_NODE, LaunchFile, LaunchNode, LaunchTree
+from rtron.vocabulary.remap_rules import UNKNOWN, Rule, remaps_at, rules_in
 
 _NODES = frozenset({"node", "lifecycle_node", "node_container"})
 _TIMERS = frozenset({"timer", "ros_timer"})
-_PUSHES = frozenset({"push_ros_namespace", "push-ros-namespace"})
-_SETTINGS = frozenset({"arg", "let", "set_remap", "reset", *_PUSHES})
-_RULE = re.compile(r"(?:(\w+):(?!//))?(.+?):=(.+)")
-_SCHEME = re.compile(r"ros(topic|service)://")
+_STARTING = _NODES | _TIMERS | {"load_composable_node", "group", "include", "composable_node"}
+_NO = frozenset({"false", "no", "off"})
+_NOT_REACHED = "is no `node`: what it starts gets no remaps"
 
 
 def read_launch2(
@@ -52,268 +41,243 @@ def read_launch2(
     `arguments` are those of the command line, `packages` where packages lie. What cannot be
     evaluated is noted: a condition then counts as true, a name or namespace has a `*`.
     """
-    reader = _Reader(environ=environ, packages=packages)
-    scope = Scope(dict(arguments))
+    choices = Choices(arguments=arguments, environ=environ)
+    evaluator = Evaluator(environ=environ, packages=packages, choices=choices)
+    scope = Scope(dict(arguments), dict(environ))
     try:
-        root = reader.file(os.path.abspath(path), scope)  # noqa: PTH100 - as launch spells it
+        root = _Reader(evaluator).root(os.path.abspath(path), scope)  # noqa: PTH100 - as launch spells it
     except MissingArgumentError as error:
         help = f"add {error.name}:=…"
         raise InputError(str(error), path=str(path), help=help) from None
-    return LaunchTree(root=root, unresolved=tuple(reader.unresolved))
+    return LaunchTree(root=root, unresolved=tuple(evaluator.unresolved), choices=choices.all())
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class _Timer:
+    """Actions that run later, `due` seconds after the start; `number` counts the timers."""
+
+    due: float
+    number: int
+    element: Element = field(compare=False)
+    place: Place = field(compare=False)
+    doubtful: bool = field(compare=False)
 
 
 @dataclass(slots=True)
-class _Place:
-    """A file that is being read, and what was found in it."""
-
-    path: str
-    depth: int
-    nodes: list[LaunchNode] = field(default_factory=list)
-    includes: list[LaunchInclude] = field(default_factory=list)
-
-
-@dataclass(slots=True, kw_only=True)
 class _Reader:
-    environ: Mapping[str, str]
-    packages: Mapping[str, Path]
-    unresolved: list[Unresolved] = field(default_factory=list)
-    files: int = 0
+    _evaluator: Evaluator
+    _timers: list[_Timer] = field(default_factory=list)
+    _parsed: dict[str, Element] = field(default_factory=dict)
+    _now: float = 0.0
 
-    def file(self, path: str, scope: Scope, depth: int = 0) -> LaunchFile:
-        self.files += 1
-        if self.files > MAX_FILES or depth > MAX_INCLUDED:
-            raise InputError(f"includes more than {MAX_FILES} files or itself", path=path)
-        if path.endswith(".py"):
-            return LaunchFile(path=path)
-        place = _Place(path, depth)
-        later: list[Element] = []
-        for element in parse_elements(path).children:
-            self._action(element, scope, place, later)
-        for timer in later:
-            self._actions(timer.children, scope.inner(), place, [])
-        return LaunchFile(path=path, nodes=tuple(place.nodes), includes=tuple(place.includes))
+    def root(self, path: str, scope: Scope) -> LaunchFile:
+        place = self._file(path, scope, 0)
+        while self._timers:
+            # It runs when the groups and files around it are left: in what is then the one scope.
+            timer = heappop(self._timers)
+            self._now, scope.doubtful = timer.due, timer.doubtful
+            self._actions(timer.element.children, scope, timer.place)
+        return place.file()
 
-    def _actions(
-        self, elements: tuple[Element, ...], scope: Scope, place: _Place, later: list[Element]
-    ) -> None:
+    def _file(self, path: str, scope: Scope, depth: int) -> Place:
+        if depth > MAX_INCLUDED:
+            raise InputError(f"{MAX_INCLUDED} files include each other", path=path)
+        place = Place(path, depth)
+        self._evaluator.bounds.file(path)
+        if not path.endswith(".py"):
+            if path not in self._parsed:
+                self._parsed[path] = parse_elements(path)
+            self._evaluator.bounds.size(path, Path(path).stat().st_size)
+            self._actions(self._parsed[path].children, scope, place)
+        return place
+
+    def _actions(self, elements: Iterable[Element], scope: Scope, place: Place) -> None:
+        self._evaluator.bounds.deeper(place.path)
         for element in elements:
-            self._action(element, scope, place, later)
+            self._counted(element, scope, place)
+        self._evaluator.bounds.level -= 1
 
-    def _action(self, element: Element, scope: Scope, place: _Place, later: list[Element]) -> None:
-        counted = self._counted(element, scope, place)
-        if counted is None:
+    def _counted(self, element: Element, scope: Scope, place: Place) -> None:
+        """Read an action if its condition lets it run; another value of it may be refused later."""
+        self._evaluator.bounds.action(place.path, scope)
+        said, why = self._evaluator.condition(element, scope, place)
+        setting, starting = element.tag in SETTINGS, element.tag in _STARTING
+        if setting or (starting and said is False):
+            self._evaluator.choices.decide(why)
+        if said is False:
             return
+        before, doubtful = scope.mark(), scope.doubtful
+        scope.doubtful = doubtful or (said is None and not setting)
+        self._action(element, scope, place)
+        scope.doubtful = doubtful
+        if starting and scope.depend(why, before):
+            self._evaluator.choices.decide(why)
+
+    def _action(self, element: Element, scope: Scope, place: Place) -> None:
         tag = element.tag
         if tag in _TIMERS:
-            # It runs when the groups around it are left: in what is then the outermost scope.
-            later.append(element)
+            self._timer(element, scope, place)
         elif tag in _NODES:
-            self._node(element, counted, place)
+            self._node(element, scope, place)
         elif tag == "load_composable_node":
-            self._components(element, counted, place)
+            self._components(element, scope, place)
         elif tag == "group":
-            self._group(element, counted, place, later)
+            self._group(element, scope, place)
         elif tag == "include":
-            self._include(element, counted, place)
-        elif tag == "executable" and element.attributes.get("name") == GUARD_NODE.strip("/"):
+            self._include(element, scope, place)
+        elif tag == "executable":
+            self._executable(element, place)
+        elif tag in SETTINGS:
+            self._setting(element, scope, place)
+        elif tag not in HARMLESS:
+            self._evaluator.note(element, place, "is not known here; what it starts gets no remaps")
+
+    def _executable(self, element: Element, place: Place) -> None:
+        """Note a process that is no `<node>`: only at run time can a node in it be seen."""
+        if element.attributes.get("name") == GUARD_NODE.strip("/"):
             guard = LaunchNode(name=GUARD_NODE, package="", type="", element=element.place)
             place.nodes.append(guard)
         else:
-            self._setting(element, counted, place)
+            self._evaluator.note(element, place, _NOT_REACHED)
 
-    def _setting(self, element: Element, scope: Scope, place: _Place) -> None:
-        """Read an action that changes the scope; all others start no node."""
-        if element.tag == "arg":
+    def _setting(self, element: Element, scope: Scope, place: Place) -> None:
+        """Read an action that changes the scope."""
+        tag = element.tag
+        if tag == "arg":
             self._argument(element, scope, place)
-        elif element.tag == "let":
+        elif tag == "let":
             self._let(element, scope, place)
-        elif element.tag in _PUSHES:
-            own = self._text(element, "namespace", scope, place)
-            scope.namespace = scope.space(UNKNOWN if own is None else own)
-        elif element.tag == "set_remap":
-            scope.remaps += self._pairs([element], scope, place)
-        elif element.tag == "reset":
-            scope.configurations.clear()
-            scope.unknown.clear()
-            scope.namespace, scope.remaps = None, []
+        elif tag in PUSHES:
+            own = self._evaluator.text(element, "namespace", scope, place)
+            space, source = scope.space(UNKNOWN if own is None else own), Source(NAMESPACE)
+            scope.put(source, None if space == UNKNOWN else space, scope.behind(source))
+        elif tag == "set_remap":
+            scope.share(self._evaluator.pairs([element], scope, place))
+        elif tag == "reset":
+            kept = list(self._kept(element, scope, place))
+            scope.clear()
+            for item in kept:
+                scope.put(*item)
+        elif tag == "reset_env":
+            scope.renew(self._evaluator.environ)
+        else:
+            self._variable(element, scope, place)
 
-    def _argument(self, element: Element, scope: Scope, place: _Place) -> None:
-        name = element.attributes.get("name", "")
-        if name in scope.configurations or name in scope.unknown:
+    def _variable(self, element: Element, scope: Scope, place: Place) -> None:
+        name = self._evaluator.text(element, "name", scope, place)
+        if name is None:
+            return
+        value = self._evaluator.value(element, "value", scope, place)
+        touched = frozenset(self._evaluator.touched)
+        variable = Source(name, environment=True)
+        if element.tag == "unset_env":
+            scope.put(variable, None)
+            scope.unknown.discard(variable)
+        elif element.tag == "set_env":
+            scope.put(variable, value, touched)
+        else:
+            scope.put(variable, None, touched | scope.behind(variable))
+
+    def _argument(self, element: Element, scope: Scope, place: Place) -> None:
+        source = Source(element.attributes.get("name", ""))
+        if source.name in scope.configurations or source in scope.unknown:
             return
         if "default" not in element.attributes:
-            raise MissingArgumentError(name)
-        scope.put(name, self._text(element, "default", scope, place))
+            raise MissingArgumentError(source.name)
+        value = self._evaluator.value(element, "default", scope, place)
+        self._evaluator.choices.default(source.name, value)
+        scope.put(source, value, {source, *self._evaluator.touched})
 
-    def _let(self, element: Element, scope: Scope, place: _Place) -> None:
-        name, value = (self._text(element, key, scope, place) for key in ("name", "value"))
-        if name is not None:
-            scope.put(name, value)
+    def _let(self, element: Element, scope: Scope, place: Place) -> None:
+        for item in self._evaluator.given([element], scope, place):
+            scope.put(*item)
 
-    def _group(self, element: Element, scope: Scope, place: _Place, later: list[Element]) -> None:
-        inner = scope
-        if element.attributes.get("scoped", "true").lower() != "false":
-            forwards = element.attributes.get("forwarding", "true").lower() != "false"
-            inner = scope.inner(forwarding=forwards)
-        for kept in element.named("keep"):
-            name, value = (self._text(kept, key, scope, place) for key in ("name", "value"))
-            if name is not None:
-                inner.put(name, value)
-        self._actions(element.children, inner, place, later)
+    def _kept(
+        self, element: Element, scope: Scope, place: Place
+    ) -> Iterator[tuple[Source, str | None, frozenset[Source]]]:
+        return self._evaluator.given(element.named("keep"), scope, place)
 
-    def _include(self, element: Element, scope: Scope, place: _Place) -> None:
-        spelled = self._text(element, "file", scope, place)
-        for given in element.named("arg"):
+    def _timer(self, element: Element, scope: Scope, place: Place) -> None:
+        try:
+            period = float(self._evaluator.text(element, "period", scope, place) or 0)
+        except ValueError:
+            period = 0.0
+        due, number = self._now + period, self._evaluator.bounds.actions
+        heappush(self._timers, _Timer(due, number, element, place, scope.doubtful))
+
+    def _group(self, element: Element, scope: Scope, place: Place) -> None:
+        kept = list(self._kept(element, scope, place))
+        inner = scope.inner() if _says(element, "scoped") else scope
+        if inner is not scope and not _says(element, "forwarding"):
+            inner.clear()
+            inner.renew(self._evaluator.environ)
+        for item in kept:
+            inner.put(*item)
+        self._actions((c for c in element.children if c.tag != "keep"), inner, place)
+
+    def _include(self, element: Element, scope: Scope, place: Place) -> None:
+        spelled = self._evaluator.text(element, "file", scope, place)
+        for given in (*element.named("arg"), *element.named("let")):
             self._let(given, scope, place)
         if spelled is None:
             return
         path = os.path.abspath(spelled)  # noqa: PTH100 - as launch spells it
-        with self._noting(element, place):
-            file = self.file(path, scope, place.depth + 1)
-            included = LaunchInclude(element=element.place, spelled=spelled, file=file)
-            place.includes.append(included)
+        level = self._evaluator.bounds.level
+        with self._evaluator.noting(element, place):
+            included = self._file(path, scope, place.depth + 1)
+            place.includes.append((element, spelled, included))
+        self._evaluator.bounds.level = level
 
-    def _node(self, element: Element, scope: Scope, place: _Place) -> None:
-        node = self._named(element, scope, place, "exec")
-        place.nodes.append(node)
+    def _node(self, element: Element, scope: Scope, place: Place) -> None:
+        place.nodes.append(self._named(element, scope, place, "exec"))
         if element.tag == "node_container":
             self._components(element, scope, place)
 
-    def _components(self, element: Element, scope: Scope, place: _Place) -> None:
+    def _components(self, element: Element, scope: Scope, place: Place) -> None:
         for component in element.named("composable_node"):
-            counted = self._counted(component, scope, place)
-            if counted is not None:
-                place.nodes.append(self._named(component, counted, place, "plugin"))
+            said, why = self._evaluator.condition(component, scope, place)
+            if said is False:
+                self._evaluator.choices.decide(why)
+            else:
+                doubtful, scope.doubtful = scope.doubtful, scope.doubtful or said is None
+                place.nodes.append(self._named(component, scope, place, "plugin"))
+                scope.doubtful = doubtful
 
-    def _named(self, element: Element, scope: Scope, place: _Place, type: str) -> LaunchNode:
+    def _named(self, element: Element, scope: Scope, place: Place, type: str) -> LaunchNode:
         """Return a node, or a component; a name that is not known is a `*`."""
-        own = self._text(element, "namespace", scope, place)
+        self._evaluator.bounds.node(place.path)
+        own = self._evaluator.text(element, "namespace", scope, place)
         written = "namespace" in element.attributes
         space = scope.space(UNKNOWN if written and own is None else own)
-        base = self._text(element, "name", scope, place) or UNKNOWN
+        base = self._evaluator.text(element, "name", scope, place) or UNKNOWN
         name = f"{space or ''}/{base}" if space != "/" else f"/{base}"
-        words = [self._text(element, key, scope, place) or "" for key in ("args", "ros_args")]
-        early = [*_rules(words[0], ros=False), *_rules(words[1], ros=True)]
-        pairs = [*early, *scope.remaps, *self._pairs(element.named("remap"), scope, place)]
+        self._evaluator.choices.decide(scope.behind(Source(NAMESPACE)))
+        args, early = self._early(element, scope, place)
+        shared = tuple(remaps_at([*early, *(scope.remaps or ())], name))
+        rules = remaps_at(self._evaluator.pairs(element.named("remap"), scope, place), name)
         return LaunchNode(
             name=name,
             package=element.attributes.get("pkg", ""),
             type=element.attributes.get(type, ""),
-            args=words[0],
-            remaps=tuple(_remaps(pairs, name)),
+            args=args,
+            remaps=(*shared, *rules),
             element=element.place,
             line=element.line,
             anonymous=UNKNOWN in name,
             conditional=scope.doubtful,
+            shared=len(shared),
         )
 
-    def _pairs(
-        self, elements: "Iterator[Element] | list[Element]", scope: Scope, place: _Place
-    ) -> list[tuple[str, str]]:
-        found = []
-        for element in elements:
-            pair = [self._text(element, key, scope, place) for key in ("from", "to")]
-            found.append((pair[0] or UNKNOWN, pair[1] or UNKNOWN))
-        return found
-
-    def _counted(self, element: Element, scope: Scope, place: _Place) -> Scope | None:
-        """Return the scope for an element, None where its condition is false."""
-        said: list[bool] = []
-        for key, wanted in (("if", True), ("unless", False)):
-            text = self._text(element, key, scope, place)
-            with self._noting(element, place):
-                said += [] if text is None else [truth(text) is wanted]
-        conditions = [key for key in ("if", "unless") if key in element.attributes]
-        if False in said:
-            return None
-        known = len(said) == len(conditions)
-        return scope if known or element.tag in _SETTINGS else replace(scope, doubtful=True)
-
-    def _text(self, element: Element, key: str, scope: Scope, place: _Place) -> str | None:
-        """Return an attribute's value; None where it is not written, or, noted, has none here."""
-        written = element.attributes.get(key)
-        if written is None:
-            return None
-        with self._noting(element, place):
-            return self._substitution(scope, place).replace(written)
-        return None
-
-    def _substitution(self, scope: Scope, place: _Place) -> Substitution:
-        folder = os.path.dirname(place.path)  # noqa: PTH120 - a string in a string out
-        return Substitution(
-            {
-                "var": variable(scope.configurations, scope.unknown),
-                "env": environment(self.environ),
-                "dirname": lambda _: folder,
-                "filename": lambda _: place.path,
-                "anon": lambda words: f"{words[0]}_{UNKNOWN}",
-                "find-pkg-share": self._share,
-                "find-pkg-prefix": self._prefix,
-            }
-        )
-
-    def _share(self, words: list[str]) -> str:
-        name = "".join(words[:1])
-        if name in self.packages:
-            return str(self.packages[name])
-        for prefix in filter(None, self.environ.get("AMENT_PREFIX_PATH", "").split(":")):
-            if (Path(prefix) / "share" / name).is_dir():
-                return str(Path(prefix) / "share" / name)
-        raise UnresolvableError(f"package '{name}' is not here")
-
-    def _prefix(self, words: list[str]) -> str:
-        return str(Path(self._share(words)).parents[1])
-
-    @contextmanager
-    def _noting(self, element: Element, place: _Place) -> Iterator[None]:
-        """Note what has no value here, or a file that cannot be read; go on with the rest."""
-        try:
-            yield
-        except (UnresolvableError, InputError) as error:
-            own = Evidence(file=place.path, line=element.line)
-            what = f"{element.tag} {element.attributes.get('file') or ''}".strip()
-            self.unresolved.append(Unresolved(what=what, why=str(error), evidence=(own,)))
-        except MissingArgumentError as error:
-            if place.depth == 0 and element.tag != "include":
-                raise
-            own = Evidence(file=place.path, line=element.line)
-            self.unresolved.append(Unresolved(what=element.tag, why=str(error), evidence=(own,)))
-        except (ValueError, LookupError) as error:
-            raise InputError(str(error), path=place.path, line=element.line) from None
+    def _early(self, element: Element, scope: Scope, place: Place) -> tuple[str, list[Rule]]:
+        """Return a node's arguments, and the rules in them, which count before all others."""
+        args = self._evaluator.value(element, "args", scope, place) or ""
+        touched = set(self._evaluator.touched)
+        ros = self._evaluator.value(element, "ros_args", scope, place) or ""
+        rules = [*rules_in(args, ros=False), *rules_in(ros, ros=True)]
+        self._evaluator.choices.decide(touched | self._evaluator.touched if rules else ())
+        return args, rules
 
 
-def _rules(text: str, *, ros: bool) -> Iterator[tuple[str, str]]:
-    """Yield the remap rules in a node's arguments, which count before all others."""
-    try:
-        words = shlex.split(text)
-    except ValueError:
-        words = text.split()
-    for word, following in pairwise([*words, ""]):
-        ros = word == "--ros-args" or (ros and word != "--")
-        rule = _RULE.fullmatch(following) if ros and word in {"-r", "--remap"} else None
-        if rule and not rule[2].startswith("__"):
-            yield f"{rule[1]}:{rule[2]}" if rule[1] else rule[2], rule[3]
-
-
-def _remaps(pairs: list[tuple[str, str]], node: str) -> Iterator[Remap]:
-    """Yield the rules that concern a node; one may begin with a node's name."""
-    for written, target in pairs:
-        rule = _RULE.fullmatch(f"{written}:={target}")
-        if rule and (rule[1] is None or rule[1] == node.rpartition("/")[2]):
-            yield Remap(
-                written=written,
-                written_target=target,
-                declared=_resolved(rule[2], node),
-                target=_resolved(target, node),
-            )
-
-
-def _resolved(name: str, node: str) -> str:
-    """Return a name as rcl expands it at a node (design.ros2.org: topic and service names)."""
-    space, _, base = node.rpartition("/")
-    name = _SCHEME.sub("", name)
-    for hole, value in (("{node}", base), ("{namespace}", space), ("{ns}", space)):
-        name = name.replace(hole, value)
-    if name.startswith("~"):
-        return canonical_name(node + name[1:])
-    return canonical_name(name if name.startswith("/") else f"{space}/{name}")
+def _says(element: Element, key: str) -> bool:
+    """Return a plain yes or no of an element, which is yes if it is not written."""
+    return element.attributes.get(key, "true").lower() not in _NO

@@ -5,7 +5,7 @@ whose arguments may be quoted and hold substitutions in turn. Nothing is run.
 """
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -43,9 +43,7 @@ class Substitution:
 
         Raise ValueError if it is malformed, UnresolvableError if it has no value here.
         """
-        if len(text) > MAX_TEXT:
-            raise ValueError(f"longer than {MAX_TEXT} characters")
-        self._text, self._at, self._depth = text, 0, 0
+        self._text, self._at, self._depth = _bounded(text), 0, 0
         self._all = {**_PURE, **self.functions}
         return self._fragments("")
 
@@ -60,7 +58,7 @@ class Substitution:
             self._at += escaped
             pieces.append(self._text[self._at])
             self._at += 1
-        return "".join(pieces)
+        return _bounded("".join(pieces))
 
     def _called(self) -> str:
         self._depth += 1
@@ -94,15 +92,13 @@ class Substitution:
         raise ValueError("`$(` without `)`")
 
 
-def variable(configurations: Mapping[str, str], unknown: Collection[str]) -> Function:
+def variable(configurations: Mapping[str, str]) -> Function:
     """Return what `$(var name default)` does."""
 
     def found(arguments: list[str]) -> str:
         name, *default = _given(arguments, 1, 2)
         if name in configurations:
             return configurations[name]
-        if name in unknown:
-            raise UnresolvableError(f"the value of '{name}' is not known")
         if default:
             return default[0]
         raise MissingArgumentError(name)
@@ -121,6 +117,12 @@ def environment(environ: Mapping[str, str]) -> Function:
         return value
 
     return found
+
+
+def _bounded(text: str) -> str:
+    if len(text) > MAX_TEXT:
+        raise ValueError(f"longer than {MAX_TEXT} characters")
+    return text
 
 
 def _given(arguments: list[str], least: int, most: int) -> list[str]:

@@ -70,6 +70,10 @@ def _bodies(items: list[yaml.Node], path: str) -> Iterator[YamlBody]:
 
 def _body(tag: str, value: yaml.Node, path: str) -> YamlBody:
     entries = value.value if isinstance(value, yaml.MappingNode) else []
+    keys = [str(key.value) for key, _ in entries]
+    if len(set(keys)) < len(keys) or "<<" in keys:
+        line = value.start_mark.line + 1
+        raise InputError("says a key twice, or merges others in", path=path, line=line)
     children: list[YamlBody] = []
     if isinstance(value, yaml.SequenceNode):
         children += _bodies(value.value, path)

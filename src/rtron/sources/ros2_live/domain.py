@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rtron.errors import SourceError
 from rtron.vocabulary import REQUESTED
-from rtron.wire.ros2.endpoints import Ros2Endpoint, node_name, publishers_of, subscribers_of
+from rtron.wire.ros2.claims import Claims
+from rtron.wire.ros2.endpoints import Ros2Endpoint, gid_of, node_name, publishers_of, subscribers_of
 from rtron.wire.ros2.services import Ros2ServiceEnd, clients_of, ends_by_node, servers_of
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ MOST_ENDS = 100_000
 _NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+", re.ASCII)
 _ACTIONS = tuple(f"/_action/{end}" for end in REQUESTED)
 _T = TypeVar("_T", Ros2Endpoint, Ros2ServiceEnd)
+_V = TypeVar("_V")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,13 +38,20 @@ class Snapshot:
     """What the domain told: each node's full name as often as there is one, and all ends.
 
     `services` are the ends of services: all servers, and of actions the clients. `malformed` counts
-    names that ROS 2 does not allow, and that are left out.
+    names that ROS 2 does not allow, and that are left out; `owed` the ends that somebody says to
+    have and the domain has not shown.
     """
 
     nodes: tuple[str, ...] = ()
     endpoints: tuple[Ros2Endpoint, ...] = ()
     services: tuple[Ros2ServiceEnd, ...] = ()
     malformed: int = 0
+    owed: int = 0
+
+    @property
+    def whole(self) -> bool:
+        """Tell whether somebody is there, and all has been told of whoever is."""
+        return bool(self.nodes) and self.named and not self.owed
 
     @property
     def ends(self) -> tuple[Ros2Endpoint | Ros2ServiceEnd, ...]:
@@ -62,6 +71,11 @@ class Domain:
         self._own_name = name
         self._node = session.node(name)
         self._participant = session.participant(name)
+        self._claims = Claims(self._node)
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._claims.close()
 
     def sign(self) -> object:
         """Return something cheap that changes with most changes of the graph."""
@@ -80,8 +94,10 @@ class Domain:
             topics = _names(self._node.get_topic_names_and_types(), "topics")
             services = _names(self._node.get_service_names_and_types(), "services")
             until = time.monotonic() + patience
-            endpoints = self._bounded(self._endpoints, topics, until)
-            ends = self._bounded(self._ends_of_service, services, until)
+            endpoints = self._bounded(self._endpoints, filter(_NAME.fullmatch, topics), until)
+            named = filter(_NAME.fullmatch, services)
+            ends = self._bounded(self._ends_of_service, named, until)
+            shown = set(self._bounded(self._gids, self._raw_names(), until))
         silent = set(services) - {end.service for end in ends}
         ends = self._others((*ends, *self._by_node(nodes, silent))) if silent else ends
         return Snapshot(
@@ -89,6 +105,7 @@ class Domain:
             endpoints=_sorted(self._others(endpoints)),
             services=_sorted(end for end in self._others(ends) if end.serves or _asks(end.service)),
             malformed=sum(not _NAME.fullmatch(name) for name in (*topics, *services)),
+            owed=len(self._claims.gids() - shown),
         )
 
     def _nodes(self) -> list[tuple[str, str]]:
@@ -107,6 +124,15 @@ class Domain:
         asked = not servers or _asks(service)
         return [*servers, *clients_of(self._node, service)] if asked else servers
 
+    def _raw_names(self) -> list[str]:
+        """Return the topics by their names in DDS, in which services are topics too."""
+        return _names(self._node.get_topic_names_and_types(no_demangle=True), "topics of DDS")
+
+    def _gids(self, raw: str) -> list[bytes]:
+        publishers = self._node.get_publishers_info_by_topic(raw, no_mangle=True)
+        subscribers = self._node.get_subscriptions_info_by_topic(raw, no_mangle=True)
+        return [gid_of(info) for info in (*publishers, *subscribers)]
+
     def _by_node(
         self, nodes: Iterable[tuple[str, str]], services: set[str]
     ) -> Iterator[Ros2ServiceEnd]:
@@ -119,10 +145,10 @@ class Domain:
             yield from (end for end in ends if end.service in services)
 
     def _bounded(
-        self, ask: Callable[[str], Sequence[_T]], names: Iterable[str], until: float
-    ) -> list[_T]:
-        found: list[_T] = []
-        for name in filter(_NAME.fullmatch, names):
+        self, ask: Callable[[str], Sequence[_V]], names: Iterable[str], until: float
+    ) -> list[_V]:
+        found: list[_V] = []
+        for name in names:
             found += ask(name)
             _few(found, MOST_ENDS, "endpoints")
             if time.monotonic() > until:

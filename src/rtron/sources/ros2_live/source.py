@@ -66,8 +66,8 @@ class Ros2Live:
     def read(self) -> InteractionGraph:
         """Return the graph of the app that is running; SourceError if there is none to be seen."""
         name = f"/_rtron_scan_{uuid.uuid4().hex[:12]}"
-        with closing(_joined(self.domain)) as session:
-            found = settled(Domain(session, name), self.timeout)
+        with closing(_joined(self.domain)) as session, closing(Domain(session, name)) as domain:
+            found = settled(domain, self.timeout)
             if not found.seen.nodes and not found.seen.endpoints:
                 raise _nobody(session.domain, self.timeout)
         restless = () if found.still else (_restless(self.timeout),)
@@ -91,6 +91,7 @@ def graph_of(seen: Snapshot, doubts: tuple[Unresolved, ...] = ()) -> Interaction
         unresolved=(
             *doubts,
             *_malformed(seen),
+            *_owed(seen),
             *strangers(seen),
             *doubles(seen),
             *topic_types(ends),
@@ -134,6 +135,12 @@ def _malformed(seen: Snapshot) -> Iterator[Unresolved]:
     if seen.malformed:
         why = f"has {seen.malformed} names of topics and services that ROS 2 does not allow"
         yield Unresolved(what="the domain", why=f"{why}, which are left out")
+
+
+def _owed(seen: Snapshot) -> Iterator[Unresolved]:
+    if seen.owed:
+        why = f"has nodes that are said to have {seen.owed} more endpoints, which nobody shows"
+        yield Unresolved(what="the domain", why=why)
 
 
 def _named(ends: tuple[_T, ...]) -> tuple[_T, ...]:

@@ -24,7 +24,10 @@ def announce_often(environ: MutableMapping[str, str] = os.environ) -> bool:
 
     Where the user has profiles of their own, these count: then intruders may be found later.
     """
-    if environ.get(_FILE) or environ.get(_FORMER_FILE):
+    told = environ.get(_FILE) or environ.get(_FORMER_FILE)
+    if told == str(_PROFILE):
+        return True
+    if told:
         log.info("your profiles of Fast DDS count: intruders may be found up to 3 s later")
         return False
     name = _FORMER_FILE if environ.get("ROS_DISTRO") in _FORMER else _FILE

@@ -7,6 +7,7 @@ The domain, the range of discovery and the RMW are those of the environment (`RO
 from __future__ import annotations
 
 import uuid
+from contextlib import nullcontext
 
 import rclpy
 from rclpy.context import Context
@@ -17,6 +18,7 @@ from rtron.vocabulary import PRIVATE_ROOT
 from rtron.wire.domain import domain_id
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.interfaces import interface
+from rtron.wire.ros2.sockets import roomy_sockets
 
 
 class Session:
@@ -32,18 +34,25 @@ class Session:
         self._nodes: dict[str, Node] = {}
 
     def node(self, name: str) -> Node:
-        """Return our node of this full name; ROS 2's own remaps do not reach it."""
+        """Return our node of this full name; ROS 2's own remaps do not reach it.
+
+        The first one opens the participant.
+        """
         if name not in self._nodes:
             space, _, base = name.rpartition("/")
-            self._nodes[name] = Node(
-                base,
-                context=self.context,
-                namespace=space or "/",
-                use_global_arguments=False,
-                enable_rosout=False,
-                start_parameter_services=False,
-            )
+            with nullcontext() if self._nodes else roomy_sockets():
+                self._nodes[name] = self._made(base, space)
         return self._nodes[name]
+
+    def _made(self, base: str, space: str) -> Node:
+        return Node(
+            base,
+            context=self.context,
+            namespace=space or "/",
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
 
     def drop(self, name: str) -> None:
         """Take a node out of the graph."""

@@ -142,15 +142,18 @@ class TimerAction(Action):
         return self.__actions
 
     def execute(self, context):
-        handler = EventHandler(
-            matcher=lambda event: isinstance(event, TimerEvent) and event.timer_action is self,
-            entities=OpaqueFunction(function=self.handle),
-        )
-        context.register_event_handler(handler)
+        if not hasattr(context, "_fires"):
+            context._fires = EventHandler(
+                matcher=lambda event: isinstance(event, TimerEvent),
+                entities=OpaqueFunction(
+                    function=lambda context: context.event.timer_action.handle(context)
+                ),
+            )
+            context.register_event_handler(context._fires)
         context.emit_event_sync(TimerEvent(timer_action=self))
 
 
-class ExecuteProcess(Action):
+class ExecuteLocal(Action):
     def __init__(self, *, cmd, name=None, on_exit=None, output="log", shell=False, **kwargs):
         for known in ("respawn", "respawn_delay", "additional_env", "env", "cwd", "prefix"):
             kwargs.pop(known, None)
@@ -167,6 +170,9 @@ class ExecuteProcess(Action):
     def process_details(self):
         return self.__details
 
+    def get_sub_entities(self):
+        return self.__on_exit if isinstance(self.__on_exit, list) else []
+
     def execute(self, context):
         if self.__details:
             raise RuntimeError("executed more than once")
@@ -177,6 +183,10 @@ class ExecuteProcess(Action):
             on_exit = OnProcessExit(target_action=self, on_exit=self.__on_exit)
             context.register_event_handler(on_exit)
         context.emit_event_sync(_Starting(self.__details))
+
+
+class ExecuteProcess(ExecuteLocal):
+    pass
 
 
 class _Starting:

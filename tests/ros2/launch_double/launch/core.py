@@ -1,5 +1,6 @@
 import asyncio
 import collections
+import os
 
 
 class LaunchDescriptionEntity:
@@ -52,6 +53,7 @@ class LaunchContext:
         self.handlers = collections.deque()
         self.events = collections.deque()
         self.is_shutdown = False
+        self.environment = os.environ
 
     def perform_substitution(self, substitution):
         return substitution.perform(self)
@@ -84,8 +86,15 @@ class Action(LaunchDescriptionEntity):
         return [("", self.get_sub_entities())] if self.condition is not None else []
 
     def visit(self, context):
+        from launch.events import ExecutionComplete  # noqa: PLC0415 - it imports this
+
         if self.__condition is None or self.__condition.evaluate(context):
-            return self.execute(context)
+            try:
+                return self.execute(context)
+            finally:
+                event = ExecutionComplete(action=self)
+                if any(handler.matches(event) for handler in context.handlers):
+                    context.emit_event_sync(event)
         return None
 
     def execute(self, context):

@@ -1,5 +1,5 @@
 from launch.event_handler import BaseEventHandler
-from launch.events import ProcessExited, ProcessStarted
+from launch.events import ExecutionComplete, ProcessExited, ProcessStarted
 
 
 class _OnAction(BaseEventHandler):
@@ -7,6 +7,8 @@ class _OnAction(BaseEventHandler):
         def matcher(event):
             if not isinstance(event, event_class):
                 return False
+            if callable(target_action):
+                return target_action(event.action)
             return target_action is None or event.action is target_action
 
         super().__init__(matcher=matcher, **kwargs)
@@ -25,3 +27,8 @@ class OnProcessStart(_OnAction):
 class OnProcessExit(_OnAction):
     def __init__(self, *, target_action=None, on_exit, **kwargs):
         super().__init__(ProcessExited, target_action, on_exit, **kwargs)
+
+
+class OnExecutionComplete(_OnAction):
+    def __init__(self, *, target_action=None, on_completion, **kwargs):
+        super().__init__(ExecutionComplete, target_action, on_completion, **kwargs)

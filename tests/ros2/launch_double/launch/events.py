@@ -8,6 +8,16 @@ class TimerEvent:
         self.timer_action = timer_action
 
 
+class IncludeLaunchDescription:
+    def __init__(self, launch_description):
+        self.launch_description = launch_description
+
+
+class ExecutionComplete:
+    def __init__(self, *, action):
+        self.action = action
+
+
 class _RunningProcessEvent:
     def __init__(self, *, action, name, cmd):
         self.action, self.process_name, self.cmd = action, name, cmd

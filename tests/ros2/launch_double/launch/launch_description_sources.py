@@ -15,17 +15,20 @@ class AnyLaunchDescriptionSource(LaunchDescriptionSource):
 
     def get_launch_description(self, context):
         if self.description is None:
-            path = Path(perform(context, self.location)).absolute()
-            spec = importlib.util.spec_from_loader("app", None)
-            module = importlib.util.module_from_spec(spec)
-            module.__file__ = str(path)
-            exec(compile(path.read_text(), path, "exec"), module.__dict__)
-            self.description = module.generate_launch_description()
+            self.description = self._read(perform(context, self.location))
         return self.description
 
     def try_get_launch_description_without_context(self):
-        """The place may depend on what only the running launch knows."""
+        """Read the file anew if it was not read; its place may depend on the running launch."""
         try:
-            return self.get_launch_description(LaunchContext())
+            return self.description or self._read(perform(LaunchContext(), self.location))
         except Exception:  # noqa: BLE001 - as launch does
             return None
+
+    def _read(self, location):
+        path = Path(location).absolute()
+        spec = importlib.util.spec_from_loader("app", None)
+        module = importlib.util.module_from_spec(spec)
+        module.__file__ = str(path)
+        exec(compile(path.read_text(), path, "exec"), module.__dict__)
+        return module.generate_launch_description()

@@ -1,5 +1,7 @@
 """A client's cancel of several goals: asked of the server one by one, answered as one."""
 
+from collections import defaultdict
+
 from rtron.guard.action.ros2.ends import NONE, REJECTED, AnswerCancel, Cancelled
 
 
@@ -50,3 +52,20 @@ class Gathering:
             answer, self._answer = self._answer, None
             refused = self._meant and not self._ending
             answer(Cancelled(REJECTED if refused else NONE, tuple(self._ending)))
+
+
+class Gatherings:
+    """The gatherings that wait for what becomes of a goal."""
+
+    def __init__(self) -> None:
+        self._waiting: dict[bytes, list[Gathering]] = defaultdict(list)
+
+    def await_(self, id: bytes, gathering: Gathering) -> None:
+        """Let a gathering wait for what becomes of a goal."""
+        gathering.await_(id)
+        self._waiting[id].append(gathering)
+
+    def told(self, id: bytes, stamp: int, *, ends: bool) -> None:
+        """Tell all that wait for a goal whether it will end."""
+        for gathering in self._waiting.pop(id, ()):
+            gathering.told(id, stamp, ends=ends)

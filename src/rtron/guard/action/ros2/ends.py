@@ -28,6 +28,8 @@ class GoalMessage(bytes):
         return made
 
 
+ReadGoal = Callable[[], GoalMessage]
+"""Reads a goal that was sent; WireError if it is none."""
 AnswerGoal = Callable[[int | None], None]
 """Takes since when a goal is accepted, None if it is rejected."""
 
@@ -74,10 +76,8 @@ class HearsServer(Protocol):
 class Hears(HearsServer, Protocol):
     """Who is told what clients ask, too."""
 
-    def goal_asked(
-        self, flow: str, peer: Peer, id: bytes, message: bytes, answer: AnswerGoal
-    ) -> None:
-        """Take a goal that was sent under the name of a flow."""
+    def goal_asked(self, flow: str, peer: Peer, read: ReadGoal, answer: AnswerGoal) -> None:
+        """Take a goal that was sent under the name of a flow; a stranger's need not be read."""
         ...
 
     def result_asked(self, flow: str, peer: Peer, id: bytes, answer: AnswerResult) -> None:

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 from rtron.guard.audit.response import Response
 from rtron.guard.audit.ros2.alarms import doubles, drifts, strangers
 from rtron.guard.audit.ros2.cases import Cases
+from rtron.guard.audit.ros2.kin import Kin
 from rtron.guard.audit.ros2.reading import Reader
 from rtron.guard.audit.ros2.seen import EVERYBODY, Seen
 from rtron.guard.audit.ros2.wanted import Wanted, is_service
 from rtron.guard.audit.standing import Standing
-from rtron.guard.transport.ros2.lives import Lives, is_kin
-from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan
+from rtron.guard.transport.ros2.lives import Lives
+from rtron.vocabulary import GUARD_NODE, SECOND, Plan
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -46,10 +47,10 @@ class Ros2Auditor:
         self._graph = transport.graph
         self._wanted = Wanted(plan)
         self._response = Response(host, transport, plan.audit.on_foreign, dry_run=dry_run)
-        self._lives = Lives(self._graph.participant)
+        self._lives = Lives(self._graph.participant, transport.processes)
+        self._kin = Kin(self._lives, transport.processes)
         self._cases = Cases(self._response)
         self._drifted = Standing(self._response, _DRIFT_PATIENCE)
-        self._kin: set[bytes] = set()
         self._reader: Reader | None = None
         self._listeners: dict[bytes, str] | None = None
 
@@ -94,21 +95,8 @@ class Ros2Auditor:
             yield from (end for end in ends_there if self._graph.is_own(end.gid))
 
     def _ours(self, seen: Seen) -> Participants:
-        """Return our participant and the supervisors', which are our parent process or child.
-
-        One that has died is in the graph for a while. Where GIDs tell no process the name counts.
-        """
-        there = {end.participant for end in seen.ends}
-        named = seen.participants.get(SUPERVISOR_NODE, set())
-        kin = {each for each in there - self._kin if self._is_kin(each)}
-        if not self._lives.tells and len(named) == 1:
-            kin |= named
-        self._kin = (self._kin & there) | kin
-        return frozenset({self._graph.participant, *self._kin})
-
-    def _is_kin(self, participant: bytes) -> bool:
-        process = self._lives.process(participant)
-        return process is not None and is_kin(process[0])
+        """Return our participant and the supervisors'."""
+        return self._kin.found(seen) | {self._graph.participant}
 
     def _tell_new(self, seen: Seen) -> None:
         """Tell a stop that has just been said to who begins to listen after it."""

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from rtron.guard.audit.ros2.seen import Seen
 from rtron.guard.audit.ros2.wanted import is_service
-from rtron.vocabulary import Service
+from rtron.vocabulary import Direction, Service
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 _MOST_NODES = 2000
-_MOST_ENDS = 256
 
 
 class Reader:
@@ -24,15 +23,13 @@ class Reader:
     """
 
     def __init__(self, node: Any) -> None:  # noqa: ANN401 - rclpy's stays in its rooms
-        from rtron.wire.ros2.endpoints import (  # noqa: PLC0415 - only where ROS 2 is chosen
-            publishers_of,
-            subscribers_of,
+        from rtron.guard.transport.ros2.listing import (  # noqa: PLC0415 - only with ROS 2
+            Listing,
         )
 
         self._node = node
-        self._raw = cast("Any", _Raw(node))
-        self._sides: tuple[Callable[[Any, str], list[Ros2Endpoint]], ...]
-        self._sides = (publishers_of, subscribers_of)
+        self._topics, self._raw = Listing(node), Listing(node, raw=True)
+        self._known: dict[tuple[str, Direction], tuple[Ros2Endpoint, ...]] = {}
 
     def seen(self, topics: Iterable[str]) -> Seen:
         """Return all there is: endpoints of these topics, every node, and every node's services."""
@@ -42,9 +39,11 @@ class Reader:
     def ends(self, topics: Iterable[str]) -> Iterator[Ros2Endpoint]:
         """Yield the endpoints of topics, and of services by their middleware's names."""
         for topic in topics:
-            node = self._raw if is_service(topic) else self._node
-            for side in self._sides:
-                yield from sorted(side(node, topic), key=lambda end: end.gid)[:_MOST_ENDS]
+            listing = self._raw if is_service(topic) else self._topics
+            for side in Direction:
+                known = self._known.get((topic, side), ())
+                self._known[topic, side] = listing.ends(topic, side, known)
+                yield from self._known[topic, side]
 
     def nodes(self) -> tuple[str, ...]:
         """Return every node's full name, as often as it is there."""
@@ -60,18 +59,3 @@ class Reader:
                 continue
             for service, types in found:
                 yield from (Service(node=node, name=service, type=type) for type in types)
-
-
-class _Raw:
-    """A node that is asked for names as the middleware has them."""
-
-    def __init__(self, node: Any) -> None:  # noqa: ANN401
-        self._node = node
-
-    def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
-        found: list[Any] = self._node.get_publishers_info_by_topic(topic, no_mangle=True)
-        return found
-
-    def get_subscriptions_info_by_topic(self, topic: str) -> list[Any]:
-        found: list[Any] = self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
-        return found

@@ -25,6 +25,7 @@ from rtron.guard.audit.ros2.foreign import (
 from rtron.guard.audit.ros2.unguarded import unguarded
 from rtron.guard.audit.ros2.wanted import Wanted
 from rtron.guard.audit.verification import Path, PathState, Verification
+from rtron.guard.supervision.order import stopped_streams
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
 
 if TYPE_CHECKING:
@@ -39,18 +40,23 @@ _NO_NAME = "somebody listens whose node the domain does not name"
 
 @dataclass(frozen=True, slots=True)
 class _Scene:
-    """What is compared: the plan and the domain, the guard's participants in it, and doubles."""
+    """What is compared: the plan and the domain, the guard's participants in it, and doubles.
+
+    `brakes` tells whether the supervisor stops anything: only then it has a node of its own.
+    """
 
     wanted: Wanted
     seen: Seen
     ours: Participants
     doubles: dict[str, frozenset[bytes]]
+    brakes: bool
 
 
 def verify_ros2(plan: Plan, seen: Seen) -> Verification:
     """Compare what is in a domain with what the plan says."""
     wanted = Wanted(plan)
-    scene = _Scene(wanted, seen, ours_in(wanted, seen), doubles_in(seen))
+    brakes = bool(stopped_streams(plan))
+    scene = _Scene(wanted, seen, ours_in(wanted, seen), doubles_in(seen), brakes)
     return Verification(
         paths=(*_exits(scene), *_entrances(scene)),
         problems=tuple(_problems(scene)),
@@ -194,7 +200,8 @@ def _taken(scene: _Scene) -> Iterator[str]:
 
 def _rightful(scene: _Scene, node: str) -> int:
     """Return how many nodes may have a name: the supervisor, too, sees the graph as the guard."""
-    return 2 if node == GUARD_NODE and SUPERVISOR_NODE in scene.seen.nodes else 1
+    supervised = SUPERVISOR_NODE in scene.seen.nodes or not scene.brakes
+    return 2 if node == GUARD_NODE and supervised else 1
 
 
 def _participants(participants: set[bytes] | frozenset[bytes]) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from rtron.guard.action.ros2.ends import Cancelled
 from rtron.guard.seldom import Seldom
 from rtron.guard.transport.ros2.action_front import READ_AHEAD, Around, goal_info, services_qos
 from rtron.guard.transport.ros2.bell import Bell
-from rtron.guard.transport.ros2.owners import Owners
+from rtron.guard.transport.ros2.lives import Life
 from rtron.vocabulary import REQUESTED, SECOND, TOLD, ActionEnd, end_name, names_node
 from rtron.wire.ros2.endpoints import PARTICIPANT
 
@@ -51,7 +51,6 @@ class Back:
         self._bells: list[Bell] = []
         self._subscriptions: list[Any] = []
         self._open_requests: dict[tuple[ActionEnd, int], Callable[[Any], None]] = {}
-        self._owners = Owners()
         self._server: Ros2Endpoint | None = None
         self._early: tuple[bytes, bytes] = (b"", b"")
         self._seldom = Seldom()
@@ -162,8 +161,6 @@ class Back:
 
     def _look(self) -> None:
         """Look who serves the action now."""
-        ends = self._around.shared.graph.watched()
-        self._owners.look((e.node, e.participant) for each in ends for e in each.publishers)
         server = self._found()
         if self._server and (server is None or server.gid != self._server.gid):
             self._server = None
@@ -177,15 +174,17 @@ class Back:
                 self._hears.server_told(ActionEnd.STATUS, message)
 
     def _found(self) -> Ros2Endpoint | None:
-        """Return the one server that the plan names, where nobody else serves."""
-        listed = self._around.shared.graph.ends(end_name(self._action, ActionEnd.STATUS)).publishers
+        """Return the one server that the plan names, where nobody else who lives serves."""
+        shared = self._around.shared
+        ends = shared.graph.ends(end_name(self._action, ActionEnd.STATUS)).publishers
+        listed = [each for each in ends if shared.lives.of(each.participant) is not Life.GONE]
         if len(listed) > 1:
             self._complain(f"{len(listed)} nodes serve it: none is asked")
         if len(listed) != 1 or not all(c.service_is_ready() for c in self._clients.values()):
             return None
         (server,) = listed
         planned = any(names_node(name, server.node) for name in self._servers)
-        owned = self._owners.has(server.node, server.participant)
+        owned = shared.owners.has(server.node, server.participant)
         if server.node and not (planned and owned):
             self._complain(f"{server.node} is not the planned server")
         return server if planned and owned else None

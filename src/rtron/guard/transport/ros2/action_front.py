@@ -12,6 +12,7 @@ from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.serialization import serialize_message
 
 from rtron.errors import WireError
+from rtron.guard.action.ros2.ends import GoalMessage
 from rtron.guard.seldom import Seldom
 from rtron.guard.transport.ros2.bell import Bell
 from rtron.guard.transport.ros2.callers import Callers
@@ -21,10 +22,12 @@ from rtron.vocabulary import REQUESTED, SECOND, ActionEnd, end_name
 from rtron.wire.ros2.endpoints import GID_SIZE, PARTICIPANT
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rclpy.node import Node
 
     from rtron.guard.action.ros2.ends import Cancelled, Hears
-    from rtron.guard.transport.ros2.requests import Requests
+    from rtron.guard.transport.ros2.requests import Letter, Requests
     from rtron.guard.transport.ros2.surroundings import Surroundings
     from rtron.guard.transport.transport import Peer, TypeInfo
 
@@ -77,6 +80,7 @@ class Front:
         self._bells: list[Bell] = []
         self._publishers: dict[ActionEnd, Any] = {}
         self._opened = 0
+        self._unmet: list[Callable[[], None]] = []
         self._pace = Pace(around.shared.loop)
         self._seldom = Seldom()
 
@@ -94,6 +98,9 @@ class Front:
             self._publishers[end] = node.create_publisher(cls, name, qos)
         for end in REQUESTED:
             self._open_service(end)
+        unmet, self._unmet = self._unmet, []
+        for again in unmet:
+            again()
 
     def close(self) -> None:
         """Be there no more."""
@@ -130,16 +137,24 @@ class Front:
         self, place: bytes, status: int, result: object | None, *, former: bool = False
     ) -> None:
         """Answer a request for a result, maybe one that a former guard has taken."""
-        early = self._opened + _MEETING - self._around.shared.loop.now()
-        if former and early > 0:
-            again = partial(self.give_result, place, status, result, former=True)
-            self._around.shared.loop.call_later(early / SECOND, again)
+        if former and not self._may_meet(partial(self.give_result, place, status, result)):
             return
         if former:
             place = self._of_writer(ActionEnd.GET_RESULT, place)
         cls = self._around.service(ActionEnd.GET_RESULT).Response
         given = self._around.cls.Result() if result is None else result
         self._respond(ActionEnd.GET_RESULT, place, cls(status=status, result=given))
+
+    def _may_meet(self, again: Callable[..., None]) -> bool:
+        """Tell whether clients of a former guard have found this one; call again when they have."""
+        again = partial(again, former=True)
+        if not self._services:
+            self._unmet.append(again)
+            return False
+        early = self._opened + _MEETING - self._around.shared.loop.now()
+        if early > 0:
+            self._around.shared.loop.call_later(early / SECOND, again)
+        return early <= 0
 
     def _of_writer(self, end: ActionEnd, place: bytes) -> bytes:
         """Return the place of a request by its writer's GUID, where Fast DDS gave its reader's.
@@ -176,18 +191,24 @@ class Front:
                 continue
             if taken is None:
                 return
-            place, request = taken
-            asked = {
-                ActionEnd.SEND_GOAL: self._goal,
-                ActionEnd.CANCEL_GOAL: self._cancel,
-                ActionEnd.GET_RESULT: self._result,
-            }[end]
-            self._callers.name(place, partial(asked, place, request))
+            place, letter = taken
+            self._callers.name(place, partial(self._open_letter, end, place, letter))
 
-    def _goal(self, place: bytes, request: Any, peer: Peer) -> None:  # noqa: ANN401
-        message = serialize_message(request.goal)
+    def _open_letter(self, end: ActionEnd, place: bytes, letter: Letter, peer: Peer) -> None:
+        """Hand on a request whose sender is known."""
+        asked = {
+            ActionEnd.SEND_GOAL: self._goal,
+            ActionEnd.CANCEL_GOAL: self._cancel,
+            ActionEnd.GET_RESULT: self._result,
+        }[end]
+        try:
+            asked(place, letter, peer)
+        except WireError as error:
+            self._complain(f"a request of {peer.node} is dropped: {error}")
+
+    def _goal(self, place: bytes, letter: Letter, peer: Peer) -> None:
         answer = partial(self._admit, place)
-        self._hears.goal_asked(self.flow, peer, _id(request.goal_id), message, answer)
+        self._hears.goal_asked(self.flow, peer, partial(_goal_in, letter), answer)
 
     def _admit(self, place: bytes, stamp: int | None) -> None:
         response = self._around.service(ActionEnd.SEND_GOAL).Response()
@@ -195,12 +216,12 @@ class Front:
         response.stamp.sec, response.stamp.nanosec = divmod(stamp or 0, SECOND)
         self._respond(ActionEnd.SEND_GOAL, place, response)
 
-    def _result(self, place: bytes, request: Any, peer: Peer) -> None:  # noqa: ANN401
+    def _result(self, place: bytes, letter: Letter, peer: Peer) -> None:
         answer = ResultPlace(self, place)
-        self._hears.result_asked(self.flow, peer, _id(request.goal_id), answer)
+        self._hears.result_asked(self.flow, peer, _id(letter.read().goal_id), answer)
 
-    def _cancel(self, place: bytes, request: Any, peer: Peer) -> None:  # noqa: ANN401
-        info = request.goal_info
+    def _cancel(self, place: bytes, letter: Letter, peer: Peer) -> None:
+        info = letter.read().goal_info
         stamp = info.stamp.sec * SECOND + info.stamp.nanosec
         answer = partial(self._cancelled, place)
         self._hears.cancel_asked(self.flow, peer, _id(info.goal_id), stamp, answer)
@@ -249,6 +270,11 @@ def goal_info(id: bytes, stamp: int) -> GoalInfo:
     info.goal_id.uuid = list(id)
     info.stamp.sec, info.stamp.nanosec = divmod(stamp, SECOND)
     return info
+
+
+def _goal_in(letter: Letter) -> GoalMessage:
+    request = letter.read()
+    return GoalMessage.of(_id(request.goal_id), serialize_message(request.goal))
 
 
 def _id(goal_id: Any) -> bytes:  # noqa: ANN401 - unique_identifier_msgs/UUID

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from rtron.guard.transport.ros2.owners import Owners
 from rtron.guard.transport.transport import Peer, TypeInfo
 from rtron.vocabulary import SECOND, TOLD, end_name, names_node
 from rtron.wire.ros2.endpoints import PARTICIPANT
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
 _AWAIT_NAME = SECOND
 _MOST_UNNAMED = 256
-_NAMELESS = "a node without a name"
+_MOST_OF_ONE = 32
 
 
 class Callers:
@@ -35,7 +34,7 @@ class Callers:
         self._info = info
         self._graph = shared.graph
         self._loop = shared.loop
-        self._owners = Owners()
+        self._owners = shared.owners
         self._unnamed: deque[tuple[int, bytes, Take]] = deque()
         for topic in self._topics:
             self._graph.watch(topic)
@@ -49,18 +48,20 @@ class Callers:
         """Call `take` with the sender of a request, now or when the graph knows it."""
         participant = place[:PARTICIPANT]
         peer = self._peer(participant)
-        if peer or len(self._unnamed) >= _MOST_UNNAMED:
+        if peer or self._is_full(participant):
             take(peer or self._stranger(participant))
         else:
             self._unnamed.append((self._loop.now(), participant, take))
             for topic in self._topics:
                 self._graph.look(topic)
 
+    def _is_full(self, participant: bytes) -> bool:
+        """Tell whether no more may wait, of all or of one: it shall not crowd out the others."""
+        own = sum(each == participant for _, each, _ in self._unnamed)
+        return own >= _MOST_OF_ONE or len(self._unnamed) >= _MOST_UNNAMED
+
     def update(self) -> None:
         """Take what the graph says: name who has waited for it, or waited for too long."""
-        ends = self._graph.watched()
-        everybody = [e for each in ends for e in (*each.publishers, *each.subscribers)]
-        self._owners.look((e.node, e.participant) for e in everybody)
         now, waiting = self._loop.now(), list(self._unnamed)
         self._unnamed.clear()
         for since, participant, take in waiting:
@@ -88,9 +89,13 @@ class Callers:
         return self._stranger(participant) if nodes and not approved else None
 
     def _stranger(self, participant: bytes) -> Peer:
-        """Return a sender that is not approved, or whose name is another's."""
+        """Return a sender that is not approved, or whose name is another's.
+
+        Those without a name are told apart by their participants.
+        """
         nodes = self._nodes(participant)
-        return Peer(next(iter(nodes), _NAMELESS), self._info, verified=False)
+        name = next(iter(nodes), f"participant {participant.hex()}")
+        return Peer(name, self._info, verified=False)
 
 
 def _is_of(endpoint: Ros2Endpoint, participant: bytes) -> bool:

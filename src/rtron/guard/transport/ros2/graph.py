@@ -9,29 +9,34 @@ from __future__ import annotations
 import atexit
 import logging
 import threading
+import time
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as implementation
 
+from rtron.errors import WireError
 from rtron.guard.seldom import Seldom
-from rtron.vocabulary import GUARD_NODE, SECOND
-from rtron.wire.ros2.endpoints import Ros2Endpoint, publishers_of, subscribers_of
+from rtron.guard.transport.ros2.listing import Listing
+from rtron.vocabulary import GUARD_NODE, SECOND, Direction
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from rtron.guard.loop import Loop
     from rtron.guard.transport.ros2.rcl import Rcl
+    from rtron.wire.ros2.endpoints import Ros2Endpoint
     from rtron.wire.ros2.session import Session
 
 log = logging.getLogger(__name__)
 
-_PAUSE_S = 0.02
 _PAUSE = SECOND // 50
 _EVERY_S = 0.5
 _LONGEST_WAIT_NS = 500_000_000
-_MOST_ENDPOINTS = 256
+_REST = 4
+"""So many times as long as the asking took."""
+_LONGEST_REST = 2 * SECOND
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +53,14 @@ _NOBODY = Ends()
 class Graph:
     """Keeps what the domain says of each watched topic, and calls all of `changed` after news.
 
-    Of each topic's publishers and subscribers, at most 256 each are known: a stranger who makes
-    endpoints without end costs no more.
+    Strangers who make endpoints without end cost not more than a part of the time: of each topic a
+    bounded number is known, and after each asking the graph rests in proportion to its work.
     """
 
     def __init__(self, loop: Loop, session: Session, rcl: Rcl) -> None:
         self._loop = loop
         self._node = session.node(GUARD_NODE)
+        self._listing = Listing(self._node)
         self._rcl = rcl
         self._ends: dict[str, Ends] = {}
         self.changed: list[Callable[[], None]] = []
@@ -63,6 +69,7 @@ class Graph:
         self._due = False
         self._ending = False
         self._looked: dict[str, int] = {}
+        self._rests_until = 0
         self._seldom = Seldom()
         self._waker = implementation.GuardCondition(self._node.context.handle)
         self._waiter = threading.Thread(target=self._wait, args=(session,), daemon=True)
@@ -91,13 +98,14 @@ class Graph:
     def look(self, topic: str) -> Ends:
         """Ask the domain about one topic now; whoever is new, is told to all soon.
 
-        Asked again at once, it gives what it knows.
+        Asked again at once, or while it rests, it gives what it knows.
         """
         now = self._loop.now()
-        if now - self._looked.get(topic, -_PAUSE) < _PAUSE:
+        if now < max(self._rests_until, self._looked.get(topic, -_PAUSE) + _PAUSE):
             return self.ends(topic)
         self._looked[topic] = now
-        ends = self._asked(topic)
+        with self._resting_after():
+            ends = self._asked(topic)
         if ends != self._ends.get(topic):
             self._ends[topic] = ends
             self._soon()
@@ -108,9 +116,18 @@ class Graph:
         self._due = False
         if self._ending:
             return
-        self._ends = {topic: self._asked(topic) for topic in self._ends}
+        with self._resting_after():
+            self._ends = {topic: self._asked(topic) for topic in self._ends}
         for changed in list(self.changed):
             _safely(changed)
+
+    @contextmanager
+    def _resting_after(self) -> Iterator[None]:
+        """Leave time for all else after some work."""
+        began = time.thread_time_ns()
+        yield
+        rest = min(_REST * (time.thread_time_ns() - began), _LONGEST_REST)
+        self._rests_until = self._loop.now() + rest
 
     def _look_again(self) -> None:
         """Refresh at times, change or not: some things are decided by time alone."""
@@ -126,26 +143,29 @@ class Graph:
         self._waiter.join()
 
     def _asked(self, topic: str) -> Ends:
-        """Return who is on a topic; who was, where the domain tells what cannot be read."""
+        """Return who is on a topic; who was, where that cannot be told."""
+        known = self.ends(topic)
         try:
             return Ends(
-                publishers=self._others(publishers_of(self._node, topic)),
-                subscribers=self._others(subscribers_of(self._node, topic)),
+                publishers=self._others(topic, Direction.PUBLISH, known.publishers),
+                subscribers=self._others(topic, Direction.SUBSCRIBE, known.subscribers),
             )
-        except (UnicodeError, ValueError, RuntimeError) as error:
+        except WireError as error:
             if self._seldom.may_say(None, self._loop.now()):
-                log.warning("%s: somebody there has a name that is none: %s", topic, error)
-            return self._ends.get(topic, _NOBODY)
+                log.warning("%s", error)
+            return known
 
-    def _others(self, endpoints: list[Ros2Endpoint]) -> tuple[Ros2Endpoint, ...]:
-        others = (each for each in endpoints if not self.is_own(each.gid))
-        return tuple(sorted(others, key=lambda each: each.gid)[:_MOST_ENDPOINTS])
+    def _others(
+        self, topic: str, direction: Direction, known: tuple[Ros2Endpoint, ...]
+    ) -> tuple[Ros2Endpoint, ...]:
+        return self._listing.ends(topic, direction, known, self.participant)
 
     def _soon(self) -> None:
         """Refresh in a moment: changes come in crowds."""
         if not self._due:
             self._due = True
-            self._loop.call_later(_PAUSE_S, self.refresh)
+            now = self._loop.now()
+            self._loop.call_at(max(now + _PAUSE, self._rests_until), self.refresh)
 
     def _wait(self, session: Session) -> None:
         """Tell the loop of each change, until the end; in the thread of its own."""

@@ -2,33 +2,41 @@
 
 A node that ends in order says so. One that is killed stays in the graph until its lease is over,
 20 s with Fast DDS, while the one that was started in its place is there already. On one machine
-the process tells it: Fast DDS writes the host's id and the lower half of the process id into the
-GID (its own choice, bytes 2 to 5), and a process that was seen there and has ended is gone. Nobody
-who is already dead is ever discovered anew.
+the process tells it. Fast DDS makes a GID of the host's id, of the lower half of the id that the
+process knows itself by, and of 2 random bytes, the same for all participants of a process
+(GuidUtils.hpp: bytes 2 and 3, 4 and 5, 6 and 7). The host's id is made of its addresses: whoever
+shares our network has it, in a container too.
+
+So a participant is gone only if it certainly was a process that has ended: every process of the
+machine is seen here, one alone knows itself by such an id, that one has Fast DDS loaded and is in
+our network, and nobody with other random bytes is taken for it. Whoever is not certain is waited
+for. What remains: a guard in a container with process ids of its own does not see everybody, and
+waits for the lease always; a process that was forked from one which used Fast DDS already, and did
+not start another program, has its parent's GIDs and is taken for gone with it; and a GID is only
+what somebody claims.
 """
 
-import os
-from collections.abc import Callable, Iterable
-from contextlib import suppress
-from dataclasses import dataclass
-from pathlib import Path
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import islice
+from typing import TYPE_CHECKING
 
 from rtron.vocabulary import SECOND, Word
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rtron.guard.transport.ros2.processes import Match, Process, Processes
 
 LEASE = 25 * SECOND
 """How long a participant that is dead may be in the graph, with some to spare."""
 _FAST_DDS = b"\x01\x0f"
 _HOST = 4
 _PID = 6
-_PIDS = 1 << 16
-_MOST_PIDS = 1 << 22
-_ENDED = frozenset("ZX")
-_PARENT = 1
-_START_TIME = 19
-_LIBRARIES = (b"libfastdds", b"libfastrtps")
-
-Process = tuple[int, int]
-"""A process id and when it began, in the kernel's ticks: the ids are used again."""
+_PROCESS = 8
+_MOST_SOUGHT = 32
+"""So many processes are looked for at a time: each costs some reading."""
 
 
 class Life(Word):
@@ -39,47 +47,40 @@ class Life(Word):
     UNTOLD = "untold"
 
 
-@dataclass(frozen=True, slots=True)
-class _Known:
-    since: int
-    process: Process | None
-
-
 class Lives:
     """Remembers when each participant came (ns), and which process of this machine it is."""
 
-    def __init__(
-        self,
-        own: bytes,
-        find: Callable[[int], Process | None] | None = None,
-        lives: Callable[[Process], bool] | None = None,
-    ) -> None:
+    def __init__(self, own: bytes, processes: Processes) -> None:
         """`own` is a participant of this process."""
         self.tells = own.startswith(_FAST_DDS)
         """Whether GIDs tell processes at all."""
         self._here = own[:_HOST]
-        self._find = find or find_process
-        self._lives = lives or process_lives
-        self._known: dict[bytes, _Known] = {}
+        self._processes = processes
+        self._since: dict[bytes, int] = {}
+        self._found: dict[bytes, Match | None] = {}
 
     def look(self, participants: Iterable[bytes], now: int) -> None:
         """Take all the participants that are in the graph now."""
-        there = set(participants)
-        self._known = {each: known for each, known in self._known.items() if each in there}
-        for participant in there - self._known.keys():
-            self._known[participant] = _Known(now, self._process(participant))
+        there = sorted(set(participants))
+        self._since = {each: self._since.get(each, now) for each in there}
+        self._found = {each: self._found[each] for each in there if each in self._found}
+        if self.tells:
+            self._processes.look(now)
+            near = (each for each in there if each.startswith(self._here))
+            for each in islice((each for each in near if each not in self._found), _MOST_SOUGHT):
+                self._seek(each)
 
     def since(self, participant: bytes) -> int:
         """Return when a participant came, 0 if it is not there."""
-        known = self._known.get(participant)
-        return known.since if known else 0
+        return self._since.get(participant, 0)
 
     def of(self, participant: bytes) -> Life:
         """Return what is known of a participant at this moment."""
-        known = self._known.get(participant)
-        if known is None or known.process is None:
-            return Life.UNTOLD
-        return Life.RUNS if self._lives(known.process) else Life.GONE
+        match = self._found.get(participant)
+        if match and self._processes.lives(match.process):
+            return Life.RUNS
+        certain = match is not None and match.certain and self._processes.are_seen()
+        return Life.GONE if certain else Life.UNTOLD
 
     def living(self, participants: Iterable[bytes]) -> frozenset[bytes]:
         """Return those that are not known to be gone: of a name that only one has, that one."""
@@ -101,66 +102,25 @@ class Lives:
         return late or any(self.of(each) is Life.RUNS for each in found[:-1])
 
     def process(self, participant: bytes) -> Process | None:
-        """Return the process of this machine that a participant was seen in."""
-        known = self._known.get(participant)
-        return known.process if known else None
+        """Return the process of this machine that a participant seems to be in."""
+        match = self._found.get(participant)
+        return match.process if match else None
 
-    def _process(self, participant: bytes) -> Process | None:
-        if not self.tells or participant[:_HOST] != self._here:
-            return None
-        return self._find(int.from_bytes(participant[_HOST:_PID], "little"))
+    def is_certain(self, participant: bytes) -> bool:
+        """Tell whether a participant can be in no other process than that one."""
+        match = self._found.get(participant)
+        return match is not None and match.certain
 
+    def _seek(self, participant: bytes) -> None:
+        """Find a participant's process; two of one process agree about what is random in it."""
+        match = self._processes.find(int.from_bytes(participant[_HOST:_PID], "little"))
+        self._found[participant] = match
+        if match:
+            rivals = [each for each in self._found if self._contradict(each, participant)]
+            for each in (participant, *rivals) if rivals else ():
+                self._found[each] = replace(match, certain=False)
 
-def find_process(low: int) -> Process | None:
-    """Return the one process whose id ends in these 16 bits and that has Fast DDS loaded.
-
-    None if there is none or several, or if it cannot be looked into (another user's, a container).
-    """
-    found = [
-        process
-        for pid in range(low, _most_pids(), _PIDS)
-        if (process := process_of(pid)) and _has_fast_dds(pid)
-    ]
-    return found[0] if len(found) == 1 else None
-
-
-def is_kin(pid: int) -> bool:
-    """Tell whether a process has started this one, or was started by it."""
-    return pid == os.getppid() or _parent_of(pid) == os.getpid()
-
-
-def process_lives(process: Process) -> bool:
-    """Tell whether a process has not ended."""
-    return process_of(process[0]) == process
-
-
-def process_of(pid: int) -> Process | None:
-    """Return a process with its start time if it runs."""
-    stat = _stat(pid)
-    return (pid, int(stat[_START_TIME])) if stat and stat[0] not in _ENDED else None
-
-
-def _parent_of(pid: int) -> int:
-    stat = _stat(pid)
-    return int(stat[_PARENT]) if stat else 0
-
-
-def _stat(pid: int) -> list[str]:
-    """Return a process's fields from its state on (proc(5), /proc/pid/stat), none if it is gone."""
-    with suppress(OSError):
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-        return fields if len(fields) > _START_TIME else []
-    return []
-
-
-def _has_fast_dds(pid: int) -> bool:
-    with suppress(OSError):
-        maps = Path(f"/proc/{pid}/maps").read_bytes()
-        return any(library in maps for library in _LIBRARIES)
-    return False
-
-
-def _most_pids() -> int:
-    with suppress(OSError, ValueError):
-        return min(int(Path("/proc/sys/kernel/pid_max").read_text()), _MOST_PIDS)
-    return _MOST_PIDS
+    def _contradict(self, one: bytes, other: bytes) -> bool:
+        process = self.process(one)
+        same = process is not None and process == self.process(other)
+        return same and one[:_PROCESS] != other[:_PROCESS]

@@ -1,18 +1,23 @@
-"""A topic that one of our nodes publishes, with the QoS of those whose words it carries."""
+"""A topic that one of our nodes publishes, with the QoS of those whose words it carries.
+
+What DDS keeps for late subscribers, it keeps of a writer as a whole, and it tells them without
+asking. So each flow whose last word is kept has a writer of its own, where no other flow pushes it
+out. The writer of all other words must offer transient local too where a driver asks for it, but
+keeps what it has said for a moment only: an old command would move a driver that comes back.
+"""
 
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rtron.guard.transport.backlog import Backlog
-from rtron.guard.transport.ros2.qos import profile, strongest
-from rtron.vocabulary import SECOND, Durability, QoS, normalise_type
+from rtron.guard.transport.ros2.qos import kept, momentary, profile, strongest
+from rtron.guard.transport.ros2.writer import Writer
+from rtron.vocabulary import SECOND, Durability, QoS, names_node, normalise_type
 from rtron.wire.ros2.interfaces import interface
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rclpy.node import Node
 
     from rtron.guard.transport.ros2.surroundings import Surroundings
@@ -21,15 +26,16 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 _AWAIT_FIRST = SECOND
+_AWAIT_KEPT = 5 * SECOND
+"""A publisher that keeps what it says, says it once; on a busy machine names take seconds."""
 _EARLY_BYTES = 1 << 20
-_STATE = QoS(durability=Durability.TRANSIENT_LOCAL)
 
 
 class Publication:
-    """Publishes raw messages; the publisher is made when the type and the QoS are known.
+    """Publishes raw messages; its writers are made when the type and the QoS are known.
 
-    It is made again when flows offer more than it does. What is said before the first of the
-    expected `successors` has found it waits for that a moment.
+    They are made again when flows offer more than they do. What is said before the first of the
+    expected `successors` is there waits for it a moment, in its order, the stop behind the command.
     """
 
     def __init__(
@@ -53,11 +59,10 @@ class Publication:
         self._depth = queue_size
         self._successors = successors
         self._offered: dict[str, QoS] = {}
-        self._latched: dict[str, bytes] = {}
-        self._publisher: Any = None
-        self._pointer = 0
-        self._count: Callable[[], int] = lambda: 0
         self._qos = QoS()
+        self._writer: Writer | None = None
+        self._kept: dict[str, bytes] = {}
+        self._keepers: dict[str, Writer] = {}
         self._early: Backlog | None = None
         self._early_since = 0
         self._now = shared.loop.now
@@ -80,8 +85,7 @@ class Publication:
             return
         self._offered[flow] = qos
         wanted = strongest(self._offered.values())
-        keeps_each = wanted.durability is Durability.TRANSIENT_LOCAL
-        if self._publisher is None or wanted != self._qos or keeps_each:
+        if self._writer is None or wanted != self._qos:
             self._report(wanted)
             self._make(wanted)
 
@@ -92,13 +96,13 @@ class Publication:
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
         if latched_by is not None:
-            self._latched.pop(latched_by, None)
-            self._latched[latched_by] = message
-        if self._publisher is None:
-            self._make(_STATE if latched_by is not None else QoS())
-            if latched_by is not None:
-                return
-        self._send(message)
+            self._publish_kept(message, latched_by)
+            return
+        writer = self._writer or self._make(self._qos)
+        if self._early is not None and self._awaits(self._early):
+            self._early.append(message)
+        elif self._successors or writer.count() > self.own_readers:
+            writer.publish(message)
 
     def reaches(self, node: str) -> bool:
         """Tell whether a node of that name subscribes."""
@@ -106,69 +110,89 @@ class Publication:
 
     def forget(self) -> None:
         """Keep nothing for late subscribers any more."""
-        self._latched.clear()
         self._early = None
-        if self._publisher is not None and self._qos.durability is Durability.TRANSIENT_LOCAL:
-            self._make(self._qos)
+        self._kept.clear()
+        self._close_keepers()
 
     def close(self) -> None:
         """Publish no more."""
-        if self._publisher is not None:
-            self._node.destroy_publisher(self._publisher)
-            self._publisher = None
+        self._close_keepers()
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
 
     def _suit(self) -> None:
         asked = [each.qos for each in self._graph.ends(self.topic).subscribers]
         if asked:
             self.offer("listeners", strongest(asked))
 
-    def _send(self, message: bytes) -> None:
-        if self._count() > self.own_readers:
-            self._flush()
-        elif self._qos.durability is Durability.VOLATILE:
-            self._keep(message)
-            return
-        self._rcl.publish(self._pointer, message)
-
     def _asked_for(self) -> set[str]:
         """Return the types that successors ask for."""
         listening = self._graph.ends(self.topic).subscribers
         return {normalise_type(each.type) for each in listening if each.node in self._successors}
 
-    def _make(self, qos: QoS) -> None:
-        """Make the publisher, and let it know what late subscribers are to get."""
-        found = interface(self.info.type if self.info else self.type)
+    def _make(self, qos: QoS) -> Writer:
+        """Make the writers, and let them know what late subscribers are to get."""
         self.close()
         self._qos = qos
-        kept = qos.durability is Durability.TRANSIENT_LOCAL
-        depth = max(1, len(self._offered)) if kept else self._depth
-        made = self._node.create_publisher(found.cls, self.topic, profile(qos, depth))
-        self._publisher, self._pointer = made, made.handle.pointer
-        self._count = made.handle.get_subscription_count
+        self._writer = self._made(momentary(qos), self._depth)
         if self._successors and self._early is None:
             self._early, self._early_since = Backlog(self._depth, _EARLY_BYTES), 0
-        for message in self._latched.values() if kept else ():
-            self._rcl.publish(self._pointer, message)
+        for latched_by, message in self._kept.items():
+            self._keeper(latched_by).publish(message)
+        return self._writer
+
+    def _made(self, qos: QoS, depth: int) -> Writer:
+        cls = interface(self.info.type if self.info else self.type).cls
+        return Writer(self._node, cls, self.topic, profile(qos, depth), self._rcl)
+
+    def _publish_kept(self, message: bytes, latched_by: str) -> None:
+        self._kept.pop(latched_by, None)
+        self._kept[latched_by] = message
+        self._keeper(latched_by).publish(message)
+
+    def _keeper(self, latched_by: str) -> Writer:
+        """Return the writer that keeps one last word."""
+        if latched_by not in self._keepers:
+            self._keepers[latched_by] = self._made(kept(self._qos), 1)
+        return self._keepers[latched_by]
+
+    def _close_keepers(self) -> None:
+        for keeper in self._keepers.values():
+            keeper.close()
+        self._keepers.clear()
 
     def _report(self, wanted: QoS) -> None:
         if len(set(self._offered.values())) > 1:
             told = "%s: its publishers differ in QoS; offered is what fits all: %s, %s"
             log.warning(told, self.topic, wanted.reliability, wanted.durability)
 
-    def _keep(self, message: bytes) -> None:
-        """Let the first messages wait for a successor; when it is late, they are stale."""
+    def _awaits(self, early: Backlog) -> bool:
+        """Tell whether the first messages wait for a successor; when it is late, they are stale."""
+        self._flush()
         if self._early is None:
-            return
-        self._early_since = self._early_since or self._now()
-        if self._now() - self._early_since > _AWAIT_FIRST:
+            return False
+        if not early:
+            self._early_since = self._now()
+        elif not self._is_fresh():
             self._early = None
-        else:
-            self._early.append(message)
+        return self._early is not None
 
     def _flush(self) -> None:
-        """Send what has waited, once somebody is there."""
-        if self._early is not None and self._publisher is not None and self._count():
-            early, self._early = self._early, None
-            fresh = self._now() - self._early_since <= _AWAIT_FIRST
-            for _ in range(len(early) if fresh else 0):
-                self._rcl.publish(self._pointer, early.pop())
+        """Send what has waited, once a successor is there: a tool that listens is none."""
+        if self._early is None or self._writer is None or not self._is_met(self._writer):
+            return
+        early, self._early = self._early, None
+        for _ in range(len(early) if self._is_fresh() else 0):
+            self._writer.publish(early.pop())
+
+    def _is_fresh(self) -> bool:
+        """Tell whether what waits has not waited too long."""
+        is_kept = self._qos.durability is Durability.TRANSIENT_LOCAL
+        return self._now() - self._early_since <= (_AWAIT_KEPT if is_kept else _AWAIT_FIRST)
+
+    def _is_met(self, writer: Writer) -> bool:
+        """Tell whether a successor listens, and is matched: whose reader is, DDS does not tell."""
+        listening = self._graph.ends(self.topic).subscribers
+        there = any(names_node(each, end.node) for each in self._successors for end in listening)
+        return there and writer.count() > self.own_readers

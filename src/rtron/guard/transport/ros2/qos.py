@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
-from rtron.vocabulary import Durability, Liveliness, QoS, Reliability
+from rtron.vocabulary import SECOND, Durability, Liveliness, QoS, Reliability
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _READ_AHEAD = 100
+"""So many messages of all publishers wait in a reader; the oldest make room."""
+_MOMENT = SECOND
+"""A writer keeps so long what is meant for the moment: a reader on a busy machine may need it."""
 
 
 def asked_for(offered: QoS) -> QoSProfile:
@@ -41,6 +45,21 @@ def strongest(offered: Iterable[QoS]) -> QoS:
         liveliness=Liveliness.MANUAL_BY_TOPIC if manual else Liveliness.AUTOMATIC,
         lease=_least(qos.lease for qos in found),
     )
+
+
+def momentary(qos: QoS) -> QoS:
+    """Return what matches the same subscribers, and leaves late ones no more than the last second.
+
+    DDS drops what is older from a writer that keeps its words (lifespan).
+    """
+    if qos.durability is Durability.VOLATILE:
+        return qos
+    return replace(qos, lifespan=min(qos.lifespan or _MOMENT, _MOMENT))
+
+
+def kept(qos: QoS) -> QoS:
+    """Return what matches the same subscribers, and is kept for late ones."""
+    return replace(qos, durability=Durability.TRANSIENT_LOCAL)
 
 
 def profile(qos: QoS, depth: int) -> QoSProfile:

@@ -9,70 +9,44 @@ message, which rclpy tells only since Kilted.
 from __future__ import annotations
 
 import ctypes
-from ctypes import (
-    Structure,
-    addressof,
-    c_char_p,
-    c_int,
-    c_size_t,
-    c_uint8,
-    c_void_p,
-    string_at,
-)
+from ctypes import addressof, c_int, c_uint8, c_uint64, c_void_p
 from typing import Any
 
 from rtron.errors import WireError
 from rtron.wire.ros2.endpoints import GID_SIZE
+from rtron.wire.ros2.serialized import Room, Serialized, function
 
 _OK, _NOTHING = 0, 401
-_FIRST_CAPACITY = 1 << 16
-_LARGEST_KEPT = 1 << 24
 _INFO_SIZE = 256
+_NUMBER_AT = 16
 _GID_AT = 40
 """Behind two stamps, two sequence numbers and the implementation's name (rmw/types.h)."""
-
-
-class _Allocator(Structure):
-    _fields_ = (("calls", c_void_p * 5),)
-
-
-class _Serialized(Structure):
-    """rcutils_uint8_array_t, which rmw calls a serialized message."""
-
-    _fields_ = (
-        ("buffer", c_char_p),
-        ("length", c_size_t),
-        ("capacity", c_size_t),
-        ("allocator", _Allocator),
-    )
+_UNSUPPORTED = (1 << 64) - 1
+"""RMW_MESSAGE_INFO_SEQUENCE_NUMBER_UNSUPPORTED"""
 
 
 class Rcl:
     """The calls, and the one buffer that messages are taken into."""
 
     def __init__(self) -> None:
-        rcl, utils = ctypes.CDLL("librcl.so"), ctypes.CDLL("librcutils.so")
+        rcl = ctypes.CDLL("librcl.so")
         pointers = c_void_p, c_void_p, c_void_p
-        self._take = _function(rcl.rcl_take_serialized_message, c_int, *pointers, c_void_p)
-        self._publish = _function(rcl.rcl_publish_serialized_message, c_int, *pointers)
-        self._condition = _function(rcl.rcl_node_get_graph_guard_condition, c_void_p, c_void_p)
-        self._add = _function(rcl.rcl_wait_set_add_guard_condition, c_int, *pointers)
-        self._reset = _function(utils.rcutils_reset_error, None)
-        self._init = _function(utils.rcutils_uint8_array_init, c_int, c_void_p, c_size_t, c_void_p)
-        self._fini = _function(utils.rcutils_uint8_array_fini, c_int, c_void_p)
+        self._take = function(rcl.rcl_take_serialized_message, c_int, *pointers, c_void_p)
+        self._publish = function(rcl.rcl_publish_serialized_message, c_int, *pointers)
+        self._condition = function(rcl.rcl_node_get_graph_guard_condition, c_void_p, c_void_p)
+        self._add = function(rcl.rcl_wait_set_add_guard_condition, c_int, *pointers)
+        self._reset = function(ctypes.CDLL("librcutils.so").rcutils_reset_error, None)
         self._notify = {
-            kind: _function(getattr(rcl, name), c_int, *pointers) for kind, name in _NOTIFY.items()
+            kind: function(getattr(rcl, name), c_int, *pointers) for kind, name in _NOTIFY.items()
         }
         self._eventfd_write = ctypes.cast(ctypes.CDLL(None).eventfd_write, c_void_p)
-        allocator = _function(utils.rcutils_get_default_allocator, _Allocator)
-        self._allocator = allocator()
-        self._in, self._out = _Serialized(), _Serialized(allocator=self._allocator)
+        self._in = Room()
+        self._out = Serialized(allocator=self._in.allocator)
         self._info = (c_uint8 * _INFO_SIZE)()
-        self._in_at, self._out_at = addressof(self._in), addressof(self._out)
+        self._in_at, self._out_at = self._in.at, addressof(self._out)
         self._info_at = addressof(self._info)
-        self._gid_at = self._info_at + _GID_AT
-        self._buffer = c_void_p.from_address(self._in_at)
-        self._grow()
+        self._number = c_uint64.from_address(self._info_at + _NUMBER_AT)
+        self._gid = memoryview(self._info).cast("B")[_GID_AT : _GID_AT + GID_SIZE]
 
     def notify(self, kind: str, handle: Any, fd: int) -> None:  # noqa: ANN401 - rclpy's handle
         """Add to the eventfd `fd` whenever something comes in for a handle.
@@ -88,12 +62,13 @@ class Rcl:
             return None
         if code:
             self._check(code, "take a message")
-        message = string_at(self._buffer.value or 0, self._in.length)
-        gid = string_at(self._gid_at, GID_SIZE)
-        if self._in.capacity > _LARGEST_KEPT:
-            self._fini(self._in_at)
-            self._grow()
-        return message, gid
+        return self._in.taken(), self._gid.tobytes()
+
+    @property
+    def number(self) -> int | None:
+        """Which of its publisher's messages was taken last; None where the RMW does not tell."""
+        found: int = self._number.value
+        return None if found == _UNSUPPORTED else found
 
     def publish(self, publisher: int, message: bytes) -> None:
         """Send a serialized message with a publisher, by its pointer."""
@@ -107,9 +82,6 @@ class Rcl:
         """Let a wait set, by its pointer, wake up when the graph of a node changes."""
         self._check(self._add(wait_set, self._condition(node), None), "watch the graph")
 
-    def _grow(self) -> None:
-        self._init(self._in_at, _FIRST_CAPACITY, addressof(self._allocator))
-
     def _check(self, code: int, what: str) -> None:
         if code != _OK:
             self._reset()
@@ -121,8 +93,3 @@ _NOTIFY = {
     "service": "rcl_service_set_on_new_request_callback",
     "client": "rcl_client_set_on_new_response_callback",
 }
-
-
-def _function(function: Any, result: Any, *arguments: Any) -> Any:  # noqa: ANN401 - ctypes
-    function.restype, function.argtypes = result, arguments
-    return function

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 from rclpy.event_handler import SubscriptionEventCallbacks
 
 from rtron.guard.starvation import end_starved
+from rtron.guard.transport.numbered import Numbered
 from rtron.guard.transport.ros2.bell import Bell
 from rtron.guard.transport.ros2.qos import asked_for
+from rtron.vocabulary import Durability
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,7 +28,10 @@ log = logging.getLogger(__name__)
 
 
 class Reader:
-    """Asks for what publishers of one QoS offer; `heard` gets the reader, the GID, the message."""
+    """Asks for what publishers of one QoS offer; `heard` gets the reader, the GID, the message.
+
+    What publishers keep comes numbered: DDS tells it again to every new reader.
+    """
 
     def __init__(
         self, node: Node, cls: type, topic: str, qos: QoS, rcl: Rcl, loop: Loop, heard: Heard
@@ -34,6 +39,7 @@ class Reader:
         self._node = node
         self._rcl = rcl
         self._heard = heard
+        self._numbers = qos.durability is Durability.TRANSIENT_LOCAL
         self._subscription = node.create_subscription(
             cls,
             topic,
@@ -58,7 +64,11 @@ class Reader:
             if taken is None:
                 return
             message, gid = taken
-            self._hand_on(gid, message)
+            self._hand_on(gid, self._numbered(gid, message) if self._numbers else message)
+
+    def _numbered(self, gid: bytes, message: bytes) -> bytes:
+        number = self._rcl.number
+        return message if number is None else Numbered.of(message, gid.hex(), number)
 
     def _hand_on(self, gid: bytes, message: bytes) -> None:
         """Hand a message on; one that fails must not leave those behind it unread."""

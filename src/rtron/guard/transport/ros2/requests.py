@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from ctypes import Structure, byref, c_bool, c_int, c_int64, c_uint8, c_void_p, py_object
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
+from weakref import finalize
 
 from rtron.errors import WireError
 
@@ -60,6 +61,23 @@ class _Shape:
             self.destroy(message)
 
 
+class Letter:
+    """A request or an answer as rcl has it; only who reads it makes rclpy's object of it."""
+
+    def __init__(self, cls: type) -> None:
+        self._cls = cls
+        self._shape = _shape(cls)
+        self.message = self._shape.create()
+        finalize(self, self._shape.destroy, self.message).atexit = False
+
+    def read(self) -> Any:  # noqa: ANN401 - a generated class
+        """Return rclpy's object; WireError if it is none."""
+        try:
+            return self._shape.read(self.message)
+        except (ValueError, AssertionError) as error:
+            raise WireError(f"it is no {self._cls.__name__}: {error}") from error
+
+
 class Requests:
     """The calls; services and clients are rclpy's handles, messages rclpy's objects."""
 
@@ -72,14 +90,14 @@ class Requests:
         self._reset = utils.rcutils_reset_error
         self._reset.restype, self._reset.argtypes = None, ()
 
-    def take_request(self, service: Any, cls: type) -> tuple[bytes, Any] | None:  # noqa: ANN401
-        """Return the place of the next request and the request; None if there is none.
+    def take_request(self, service: Any, cls: type) -> tuple[bytes, Letter] | None:  # noqa: ANN401
+        """Return the place of the next request and the request, unopened; None if there is none.
 
-        WireError if it cannot be read.
+        WireError if it cannot be taken.
         """
         info = _Info()
-        request = self._taken(self._take_request, service, cls, info)
-        return None if request is None else (bytes(info.place), request)
+        letter = self._taken(self._take_request, service, cls, info)
+        return None if letter is None else (bytes(info.place), letter)
 
     def respond(self, service: Any, place: bytes, response: object) -> None:  # noqa: ANN401
         """Answer a request; one whose client is gone, or not there yet, stays unanswered."""
@@ -108,21 +126,17 @@ class Requests:
         WireError if it cannot be read.
         """
         info = _Info()
-        response = self._taken(self._take_response, client, cls, info)
-        return None if response is None else (info.place.number, response)
+        letter = self._taken(self._take_response, client, cls, info)
+        return None if letter is None else (info.place.number, letter.read())
 
-    def _taken(self, take: Any, handle: Any, cls: type, info: _Info) -> Any:  # noqa: ANN401
-        shape = _shape(cls)
-        with shape.made() as message:
-            code = take(handle.pointer, byref(info), message)
-            if code in _NOTHING:
-                self._reset()
-                return None
-            self._check(code, "take a request or an answer")
-            try:
-                return shape.read(message)
-            except (ValueError, AssertionError) as error:
-                raise WireError(f"it is no {cls.__name__}: {error}") from error
+    def _taken(self, take: Any, handle: Any, cls: type, info: _Info) -> Letter | None:  # noqa: ANN401
+        letter = Letter(cls)
+        code = take(handle.pointer, byref(info), letter.message)
+        if code in _NOTHING:
+            self._reset()
+            return None
+        self._check(code, "take a request or an answer")
+        return letter
 
     def _check(self, code: int, what: str) -> None:
         if code != _OK:

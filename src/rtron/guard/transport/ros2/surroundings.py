@@ -10,13 +10,14 @@ if TYPE_CHECKING:
 
     from rtron.guard.loop import Loop
     from rtron.guard.transport.ros2.graph import Graph
+    from rtron.guard.transport.ros2.lives import Lives
     from rtron.guard.transport.ros2.owners import Owners
     from rtron.guard.transport.ros2.rcl import Rcl
 
 
 @dataclass(slots=True)
 class Surroundings:
-    """The loop, rcl's calls, the graph, and whose the node names in it are.
+    """The loop, rcl's calls, the graph, whose the node names in it are, and who of it lives.
 
     `complain` is told what of a node's words on a topic is not heard, and why.
     """
@@ -25,4 +26,5 @@ class Surroundings:
     rcl: Rcl
     graph: Graph
     owners: Owners
+    lives: Lives
     complain: Callable[[str, str, str], None]

@@ -7,9 +7,11 @@ from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from rtron.guard.transport.ros2.action_ends import ActionEnds
+from rtron.guard.transport.ros2.canceller import Canceller
 from rtron.guard.transport.ros2.graph import Graph
 from rtron.guard.transport.ros2.lives import Lives
 from rtron.guard.transport.ros2.owners import Owners
+from rtron.guard.transport.ros2.processes import Processes
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl
 from rtron.guard.transport.ros2.subscription import Subscription
@@ -42,12 +44,12 @@ class Ros2Transport:
         self.session = session
         self.rcl = Rcl()
         self.graph = Graph(loop, session, self.rcl)
-        self.owners = Owners()
-        self._lives = Lives(self.graph.participant)
+        self.processes = Processes()
+        lives, self._owners = Lives(self.graph.participant, self.processes), Owners()
         self._began = loop.now()
         self.now = loop.now
         self.call_at = loop.call_at
-        self._shared = Surroundings(loop, self.rcl, self.graph, self.owners, _log)
+        self._shared = Surroundings(loop, self.rcl, self.graph, self._owners, lives, _log)
         self._publications: list[Publication] = []
         self._subscriptions: list[Subscription] = []
         self._actions: list[ActionEnds] = []
@@ -81,6 +83,10 @@ class Ros2Transport:
         ends = ActionEnds(stream, self.session.node(node), hears, self._shared)
         self._actions.append(ends)
         return ends
+
+    def canceller(self, node: str, action: str) -> Canceller:
+        """Return what cancels goals of an action that has no guard; see `CarriesCancels`."""
+        return Canceller(self.session.node(node), action)
 
     def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
@@ -125,14 +131,23 @@ class Ros2Transport:
 
     def _look_at_names(self) -> None:
         """Know whose each name is, before anybody asks; the dead have none any more."""
-        found: dict[str, set[bytes]] = defaultdict(set)
-        for end in (end for each in self.graph.watched() for end in each.publishers):
-            found[end.node].add(end.participant)
-        self._lives.look(set().union(*found.values()), self.now())
-        named = ((node, self._lives.living(group)) for node, group in found.items())
         settled = self.now() - self._began > _SETTLED
-        names = [(node, each) for node, living in named for each in living]
-        self.owners.look(names, settled=settled)
+        self._owners.look(self._named_living(), settled=settled)
+
+    def _named_living(self) -> list[tuple[str, bytes]]:
+        """Return each node name with each participant that has it; who is gone may have it alone.
+
+        Clients and servers of actions have their names at what they subscribe, too.
+        """
+        lives, watched = self._shared.lives, self.graph.watched()
+        ends = [end for each in watched for end in (*each.publishers, *each.subscribers)]
+        lives.look((end.participant for end in ends), self.now())
+        found: dict[str, set[bytes]] = defaultdict(set)
+        for end in ends:
+            found[end.node].add(end.participant)
+        crowds = (group for node, group in found.items() if node and len(group) > 1)
+        gone = {each for group in crowds for each in group - lives.living(group)}
+        return [(node, each) for node, group in found.items() for each in group - gone]
 
 
 def _log(topic: str, node: str, why: str) -> None:

@@ -17,7 +17,7 @@ from rtron.planning.instrument.ros2.wrapper import PrivateNames, is_wrapper, rem
 from rtron.planning.instrument.wiring import enforced_streams, wire
 from rtron.vocabulary import GUARD_NODE, LaunchTree, Plan
 
-_UNQUOTABLE = re.compile(r"""[\s"'&<>$\\\x00-\x1f]""")
+_UNQUOTABLE = re.compile(r"""[\s"'()&<>$\\\x00-\x1f]""")
 _SUFFIXES = (".py", ".xml", ".yaml", ".yml")
 
 
@@ -40,13 +40,13 @@ def instrument_ros2(
     _check_out(tree, out, folder)
     enforced = enforced_streams(plan)
     table = remap_table(enforced)
-    missing = absent(table, tree)
-    wiring = {**wire(tree, enforced), **wire_unnamed(tree, enforced, missing)}
-    copies = Copies(wiring, table)
-    root = copies.root(tree.root, folder.name, SCRIPT, GUARD_NODE.strip("/"))
+    sorted_out = _Sorted(tree, table, absent(table, tree))
+    may_be = table if sorted_out.python() else sorted_out.missing
+    wiring = {**wire(tree, enforced), **wire_unnamed(tree, enforced, may_be)}
+    copies = Copies(folder, wiring, table, sorted_out.missing, tree.choices)
+    root = copies.root(tree.root, SCRIPT, GUARD_NODE.strip("/"))
     placed = {node: remaps for node, remaps in wiring.items() if node not in copies.lost}
-    sorted_out = _Sorted(tree, table, missing)
-    found = tuple(Findings(tree, enforced, placed, copies.lost).unenforceable())
+    findings = Findings(tree, enforced, placed, copies.lost)
     beside = {**copies.texts, SCRIPT: _script(command), PLAN: plan_text}
     return Instrumented(
         launch=out,
@@ -55,10 +55,10 @@ def instrument_ros2(
         remaps=(*(one for each in placed.values() for one in each), *sorted_out.wrapped()),
         unenforceable=tuple(
             replace(end, accepted=end.what in plan.accept_unenforceable)
-            for end in found
+            for end in findings.unenforceable()
             if not sorted_out.later(end)
         ),
-        notes=tuple(dict.fromkeys(sorted_out.notes())),
+        notes=tuple(dict.fromkeys(sorted_out.notes(findings))),
     )
 
 
@@ -72,17 +72,19 @@ class _Sorted:
 
     def wrapped(self) -> Iterator[PlacedRemap]:
         """Yield what the wrappers of Python launch files do for nodes that none else starts."""
-        for node in self.missing if self._python() else ():
+        for node in self.missing if self.python() else ():
             for public, private in self.table[node].items():
                 yield PlacedRemap(node=node, topic=public, written=public, target=private)
 
     def later(self, end: Unenforceable) -> bool:
         """Tell whether an end is closed when a Python launch file starts the node."""
-        return end.what in self.missing and self._python()
+        return end.what in self.missing and self.python()
 
-    def notes(self) -> Iterator[str]:
+    def notes(self, findings: Findings) -> Iterator[str]:
         """Yield what is decided when the launch runs, and what could not be read."""
-        if self._python() and self.missing:
+        if not self.python():
+            yield from findings.notes()
+        elif self.missing:
             yield f"guarded if a Python launch file starts them: {', '.join(self.missing)}"
         for node in filter(unnamed, self.tree.nodes()):
             where = f"{node.package} {node.type}".strip()
@@ -91,7 +93,8 @@ class _Sorted:
             place = one.evidence[0]
             yield f"{place.file}:{place.line}: {one.what}: {one.why}"
 
-    def _python(self) -> bool:
+    def python(self) -> bool:
+        """Tell whether wrappers see what the launch starts, beside what is rewritten."""
         return any(file.path.endswith(".py") for file in self.tree.root.walk())
 
 

@@ -1,17 +1,27 @@
 """The text of one launch file of ROS 2 with small changes; the rest of it stays as it was."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
 Rule: TypeAlias = tuple[str, str]
 """A remap: from, to."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Start:
+    """The folder of the guarded launch's files, and the configuration that is to hold it."""
+
+    folder: str
+    variable: str
+
+    def __truediv__(self, name: str) -> str:
+        """Return the path of one of the files."""
+        return f"$(var {self.variable})/{name}"
+
+
 class LaunchFileText(Protocol):
     """What can be changed; `place` is where an element stands, as LaunchNode.element says it."""
-
-    def own_rules(self, place: int) -> int:
-        """Return how many remaps a node has as parts of its own."""
 
     def remap(self, place: int, rules: Sequence[Rule]) -> None:
         """Put remaps before a node's own."""
@@ -25,8 +35,8 @@ class LaunchFileText(Protocol):
     def lead(self, place: int, file: str) -> None:
         """Lead an include to another file."""
 
-    def start(self, command: str, name: str) -> None:
-        """Start a command first, and again when it ends."""
+    def start(self, here: "Start", *, script: str, name: str, check: str) -> None:
+        """Include the file `check` first; then start `script`, and again when it ends."""
 
     def changed(self) -> str:
         """Return the text with all changes made."""

@@ -3,23 +3,19 @@
 A rule's prefix is a node's name without its namespace (docs.ros.org: node arguments).
 """
 
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from rtron.planning.instrument.instrumented import PlacedRemap
 from rtron.planning.instrument.wiring import Wiring, wire
-from rtron.vocabulary import LaunchFile, LaunchNode, LaunchTree, Remap, Stream, names_node
-from rtron.vocabulary.launch import resolve_name
-
-_UNKNOWN = "*"
-_SCHEME = re.compile(r"ros(topic|service)://")
+from rtron.vocabulary import LaunchFile, LaunchNode, LaunchTree, Stream, names_node
+from rtron.vocabulary.remap_rules import UNKNOWN, remaps_at
 
 
 def unnamed(node: LaunchNode) -> bool:
     """Tell whether a node's name or namespace is known only to the running launch."""
     space, _, base = node.name.rpartition("/")
-    return _UNKNOWN in {base, space}
+    return UNKNOWN in {base, space}
 
 
 def absent(planned: Collection[str], tree: LaunchTree) -> tuple[str, ...]:
@@ -28,22 +24,20 @@ def absent(planned: Collection[str], tree: LaunchTree) -> tuple[str, ...]:
     return tuple(name for name in planned if not any(names_node(name, own) for own in names))
 
 
-def wire_unnamed(
-    tree: LaunchTree, enforced: tuple[Stream, ...], missing: Collection[str]
-) -> Wiring:
-    """Return the rules for nodes that may be one of those which are `missing`."""
+def wire_unnamed(tree: LaunchTree, enforced: tuple[Stream, ...], names: Collection[str]) -> Wiring:
+    """Return the rules for nodes that may be one of several, by name."""
     return {
         node: rules
         for node in tree.nodes()
-        if unnamed(node) and (rules := _rules(node, enforced, missing))
+        if unnamed(node) and (rules := _rules(node, enforced, names))
     }
 
 
 def _rules(
-    node: LaunchNode, enforced: tuple[Stream, ...], missing: Collection[str]
+    node: LaunchNode, enforced: tuple[Stream, ...], names: Collection[str]
 ) -> tuple[PlacedRemap, ...]:
     found: dict[str, list[PlacedRemap]] = {}
-    for name in filter(lambda name: _may_be(node, name), missing):
+    for name in filter(lambda name: _may_be(node, name), names):
         base = name.rpartition("/")[2]
         for placed in _wired(_as(node, name), enforced):
             written = f"{base}:{placed.written}"
@@ -52,29 +46,17 @@ def _rules(
 
 
 def _may_be(node: LaunchNode, name: str) -> bool:
-    if _UNKNOWN in name:
+    if UNKNOWN in name:
         return False
     space, _, base = node.name.rpartition("/")
-    inside = space == _UNKNOWN or name.startswith(f"{space}/")
-    return inside and base in {_UNKNOWN, name.rpartition("/")[2]}
+    inside = space == UNKNOWN or name.startswith(f"{space}/")
+    return inside and base in {UNKNOWN, name.rpartition("/")[2]}
 
 
 def _as(node: LaunchNode, name: str) -> LaunchNode:
     """Return the node as it is under a name."""
-    remaps = tuple(
-        Remap(
-            written=remap.written,
-            written_target=remap.written_target,
-            declared=_resolved(remap.written, name),
-            target=_resolved(remap.written_target, name),
-        )
-        for remap in node.remaps
-    )
-    return replace(node, name=name, remaps=remaps)
-
-
-def _resolved(name: str, node: str) -> str:
-    return resolve_name(_SCHEME.sub("", name), node)
+    rules = ((remap.written, remap.written_target) for remap in node.remaps)
+    return replace(node, name=name, remaps=tuple(remaps_at(rules, name)))
 
 
 def _wired(node: LaunchNode, enforced: tuple[Stream, ...]) -> tuple[PlacedRemap, ...]:

@@ -5,7 +5,7 @@ where it runs. What its own text says of launch and launch_ros holds from Humble
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from importlib.resources import files
 from pathlib import Path
 from pprint import pformat
@@ -19,7 +19,7 @@ PrivateNames = Mapping[str, Mapping[str, str]]
 
 _TEMPLATE = "wrapper.py.in"
 _MARK = "Starts the app guarded. Written by `rtron instrument`"
-_HOLE = re.compile(r"__(APP|GUARD|REMAPS)__")
+_HOLE = re.compile(r"__(APP|GUARD|REMAPS|EXPECTED)__")
 
 
 def remap_table(enforced: tuple[Stream, ...]) -> PrivateNames:
@@ -29,14 +29,18 @@ def remap_table(enforced: tuple[Stream, ...]) -> PrivateNames:
     return {name: private_names(name, enforced) for name in sorted({*flows, *follow})}
 
 
-def wrapper_text(app: str, table: PrivateNames, guard: str = "") -> str:
+def wrapper_text(
+    app: str, table: PrivateNames, guard: str = "", expected: Collection[str] | None = None
+) -> str:
     """Return the launch file that includes `app`.
 
-    Before it starts `guard`, a script whose path is from the launch file's own folder.
+    Before it starts `guard`, a script whose path is from the launch file's own folder. `expected`
+    are the nodes that nothing else starts, None for all.
     """
     template = files("rtron.planning.instrument.ros2").joinpath(_TEMPLATE).read_text()
     names = {node: dict(private) for node, private in table.items()}
-    filled = {"APP": app, "GUARD": guard, "REMAPS": names}
+    missed = sorted(table if expected is None else expected)
+    filled = {"APP": app, "GUARD": guard, "REMAPS": names, "EXPECTED": missed}
     return _HOLE.sub(lambda hole: pformat(filled[hole[1]], width=88, sort_dicts=False), template)
 
 

@@ -1,14 +1,14 @@
 """An XML launch file of ROS 2, to be changed."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr, unescape
 
 from rtron.errors import InputError
 from rtron.planning.instrument.launch_text import LaunchText
-from rtron.planning.instrument.ros2.launch_file import Rule, early
-from rtron.planning.instrument.source_text import in_utf8
+from rtron.planning.instrument.ros2.launch_file import Rule, Start, early
+from rtron.planning.instrument.source_text import PLAIN, in_utf8
 from rtron.planning.instrument.spans import Span, spans
 
 _DIRNAME = re.compile(rb"\$\( *dirname *\)")
@@ -21,7 +21,10 @@ def xml_file(path: str, folder: str) -> "XmlFile":
 
     Raise InputError if it cannot be read, is not XML or has a document type.
     """
-    text = _DIRNAME.sub(lambda _: folder.encode(), in_utf8(path))
+    text = in_utf8(path)
+    if not PLAIN.fullmatch(path) and (_DIRNAME.search(text) or _FILENAME.search(text)):
+        raise InputError("lies in a folder whose name cannot stand in a launch file", path=path)
+    text = _DIRNAME.sub(lambda _: folder.encode(), text)
     text = _FILENAME.sub(lambda _: path.encode(), text)
     return XmlFile(path, LaunchText(text=text, elements=spans(text, path)))
 
@@ -32,20 +35,6 @@ class XmlFile:
 
     path: str
     text: LaunchText
-
-    def own_rules(self, place: int) -> int:
-        """Count the `<remap>` in a node."""
-        node = self._element(place)
-        inside = (e for e in self.text.elements if node.start < e.start < node.close)
-        return sum(element.tag == "remap" for element in self._children(inside, node))
-
-    def _children(self, inside: Iterator[Span], node: Span) -> Iterator[Span]:
-        """Yield the elements that lie directly in a node."""
-        end = node.start
-        for element in inside:
-            if element.start >= end:
-                yield element
-                end = element.close
 
     def remap(self, place: int, rules: Sequence[Rule]) -> None:
         """Put `<remap>` first into a node."""
@@ -70,12 +59,15 @@ class XmlFile:
         """Change an include's `file`."""
         self.text.set_attribute(self._element(place), "file", file)
 
-    def start(self, command: str, name: str) -> None:
-        """Put an `<executable>` first."""
-        words = f"cmd={quoteattr(command)} name={quoteattr(name)}"
-        self.text.prepend(
-            self.text.elements[0], [f'<executable {words} output="screen" respawn="true"/>']
+    def start(self, here: Start, *, script: str, name: str, check: str) -> None:
+        """Put a `<let>`, an `<include>` and an `<executable>` first."""
+        words = f"cmd={quoteattr(here / script)} name={quoteattr(name)}"
+        first = (
+            f"<let name={quoteattr(here.variable)} value={quoteattr(here.folder)}/>",
+            f"<include file={quoteattr(here / check)}/>",
+            f'<executable {words} output="screen" respawn="true"/>',
         )
+        self.text.prepend(self.text.elements[0], first)
 
     def changed(self) -> str:
         """Return the text with all changes made."""

@@ -10,10 +10,11 @@ from typing import Any, TypeAlias
 import yaml
 
 from rtron.errors import InputError
-from rtron.planning.instrument.ros2.launch_file import Rule, early
+from rtron.planning.instrument.ros2.launch_file import Rule, Start, early
 
 YamlNode: TypeAlias = Any
 
+_PLAIN = re.compile(r"[\w./+@~-]*")
 _DIRNAME = re.compile(r"\$\( *(dirname|filename) *\)")
 
 
@@ -29,6 +30,8 @@ def yaml_file(path: str, folder: str) -> "YamlFile":
         raise InputError(f"cannot be read: {error}", path=path) from None
     file = YamlFile(path=path, text=text, root=root, bodies=dict(_bodies(root)))
     for match in _DIRNAME.finditer(text):
+        if not _PLAIN.fullmatch(path):
+            raise InputError("lies in a folder whose name cannot stand in a launch file", path=path)
         file.change(*match.span(), folder if match[1] == "dirname" else path)
     return file
 
@@ -54,11 +57,6 @@ class YamlFile:
     root: YamlNode
     bodies: dict[int, YamlNode]
     _changes: list[tuple[int, int, str]] = field(default_factory=list)
-
-    def own_rules(self, place: int) -> int:
-        """Count the entries of `remap:` in a node."""
-        remap = self._entry(place, "remap")
-        return len(remap.value) if isinstance(remap, yaml.SequenceNode) else 0
 
     def remap(self, place: int, rules: Sequence[Rule]) -> None:
         """Put entries first into `remap:`, or `remap:` first into a node."""
@@ -86,13 +84,15 @@ class YamlFile:
         if written is not None:
             self._replace(written, file)
 
-    def start(self, command: str, name: str) -> None:
-        """Put an `executable:` first into the list of actions."""
+    def start(self, here: Start, *, script: str, name: str, check: str) -> None:
+        """Put a `let:`, an `include:` and an `executable:` first into the list of actions."""
         actions = self.root.value[0][1]
         if isinstance(actions, yaml.MappingNode):
             actions = next(value for key, value in actions.value if key.value == "children")
-        words = {"cmd": command, "name": name, "output": "screen", "respawn": True}
-        self._insert_items(actions, [{"executable": words}])
+        folder = {"name": here.variable, "value": here.folder}
+        guard = {"cmd": here / script, "name": name, "output": "screen", "respawn": "true"}
+        included = {"file": here / check}
+        self._insert_items(actions, [{"let": folder}, {"include": included}, {"executable": guard}])
 
     def changed(self) -> str:
         """Return the text with all changes made; one inside another is part of it."""
@@ -112,7 +112,7 @@ class YamlFile:
         if body is None:
             raise InputError("has changed since it was read", path=self.path, help="start again")
         entries = body.value if isinstance(body, yaml.MappingNode) else []
-        return next((value for name, value in entries if name.value == key), None)
+        return {name.value: value for name, value in entries}.get(key)
 
     def _insert_key(self, place: int, key: str, value: object) -> None:
         """Put a key first into a mapping, its value written as JSON, which is YAML."""

@@ -1,0 +1,237 @@
+"""An action of ROS 2 as its server sees it: what it is asked, answers and tells, and loses."""
+
+import logging
+from functools import partial
+
+from rtron.errors import WireError
+from rtron.guard.action.ros2.cancels import Gatherings
+from rtron.guard.action.ros2.desk import Desk
+from rtron.guard.action.ros2.ends import Cancelled, CarriesRequests, Hears
+from rtron.guard.action.ros2.results import KEPT_FOR, Result, Results
+from rtron.guard.action.ros2.task import Task
+from rtron.guard.action.stream import ActionStream
+from rtron.guard.senses import Senses
+from rtron.guard.transport.transport import Peer, Transport
+from rtron.guard.will import Will
+from rtron.messages.ros2_action import ABORTED, OVER, UNKNOWN, feedback_id, read_statuses
+from rtron.policies.goals import Goal, Where
+from rtron.policies.listing import LOST_AFTER, TERMINAL, compare
+from rtron.vocabulary import SECOND, ActionEnd, Stream
+
+log = logging.getLogger(__name__)
+
+_ASK_AGAIN = SECOND
+_IN_PROGRESS, _OVER = 1, min(TERMINAL)
+
+
+class ServedRequests(ActionStream, Hears):
+    """Follows what becomes of goals at the server; each is answered once, by it or by the guard."""
+
+    def __init__(
+        self,
+        stream: Stream,
+        transport: Transport,
+        senses: Senses,
+        will: Will,
+        requests: CarriesRequests,
+        *,
+        dry_run: bool = False,
+    ) -> None:
+        super().__init__(stream, transport, senses, will, dry_run=dry_run)
+        self.server = ""
+        self._ways = requests.action_ends(self.stream, self.nodes[0], self)
+        self._tasks: dict[bytes, Task] = {}
+        self._results = Results()
+        self._desk = Desk(self._tasks.values, transport, partial(self._ways.tell, ActionEnd.STATUS))
+        self._gatherings = Gatherings()
+        self._incarnation = b""
+
+    # What becomes of the server
+
+    def server_came(self, node: str, incarnation: bytes) -> None:
+        """Learn that the server is there; another than before knows none of the goals."""
+        known = self._incarnation in (b"", incarnation)
+        self.server, self._incarnation = node, incarnation
+        if not known:
+            self._lose()
+        for task in list(self._tasks.values()):
+            if task.accepted:
+                self._ask_result(task)
+            if task.goal.stopped:
+                self._cancel_at_server(task.goal.id)
+        self._desk.tell_soon()
+        self._welcome()
+
+    def server_left(self) -> None:
+        """Learn that the server is not there any more."""
+        log.warning("%s: the server %s is gone", self.name, self.server)
+        now = self._transport.now()
+        self.server, self._desk.listed = "", {}
+        self._await_server(now)
+        for goal in self.goals:
+            if not goal.client:
+                self._end(goal, now)
+        self._transport.call_at(now + LOST_AFTER, self._answer_unfound)
+
+    def _answer_unfound(self) -> None:
+        """Answer the goals whose server has not been found again."""
+        if not self.server:
+            self._lose()
+
+    def _lose(self) -> None:
+        """Answer the goals that went with their server."""
+        for task in list(self._tasks.values()):
+            if task.goal.where is Where.SENT:
+                self._finish(task, ABORTED, why="the server has lost it")
+                self._turn_over(task.goal)
+
+    # What it answers
+
+    def _send(self, goal: Goal) -> None:
+        task = self._tasks[goal.id]
+        self.goals.send(goal, self._transport.now())
+        self._bequest.keep()
+        answered = partial(self._server_answered, task)
+        if self.server or self.dry_run:
+            self._ways.send_goal(goal.message, answered)  # type: ignore[arg-type]
+        else:
+            self._transport.call_at(self._transport.now(), partial(answered, None))
+
+    def _server_answered(self, task: Task, stamp: int | None) -> None:
+        """Take the server's answer to a goal."""
+        if self._tasks.get(task.goal.id) is not task:
+            if stamp is not None:
+                self._cancel_at_server(task.goal.id)
+        elif stamp is None:
+            self._finish(task, ABORTED, why="the server has rejected it")
+            self._turn_over(task.goal)
+        elif not task.accepted:
+            task.accepted = True
+            task.admit(stamp)
+            self._ask_result(task)
+            if task.to_cancel:
+                self._cancel_at_server(task.goal.id)
+            self._desk.tell_soon()
+
+    def _ask_result(self, task: Task) -> None:
+        self._ways.get_result(task.goal.id, partial(self._result, task))
+
+    def _await_result(self, goal: Goal, status: int) -> None:
+        """Ask once more for the result of a goal that is over, then do without: it may be lost."""
+        task, now = self._tasks.get(goal.id), self._transport.now()
+        if task and not task.over:
+            task.over = True
+            self._transport.call_at(now + _ASK_AGAIN, partial(self._ask_again, task))
+            self._transport.call_at(now + LOST_AFTER, partial(self._do_without, task, status))
+
+    def _ask_again(self, task: Task) -> None:
+        if self._tasks.get(task.goal.id) is task:
+            self._ask_result(task)
+
+    def _do_without(self, task: Task, status: int) -> None:
+        if self._tasks.get(task.goal.id) is task:
+            self._finish(task, status, why="its result does not come")
+
+    def _result(self, task: Task, status: int, result: object) -> None:
+        goal = task.goal
+        if self._tasks.get(goal.id) is not task:
+            return
+        if self.measured:
+            self.measured.finished(goal.id, self._transport.now())
+        if status == UNKNOWN:
+            self._finish(task, ABORTED, why="the server has lost it")
+        else:
+            self._finish(task, status, result)
+        self._turn_over(goal)
+
+    def _cancel_at_server(self, id: bytes) -> None:
+        task = self._tasks.get(id)
+        if task and not task.accepted:
+            task.to_cancel = True
+        elif self.server and not self.dry_run:
+            self._ways.cancel(id, 0, partial(self._cancel_told, id))
+
+    def _cancel_told(self, id: bytes, cancelled: Cancelled) -> None:
+        goal = self.goals.find(id)
+        ends = any(each == id for each, _ in cancelled.goals)
+        if goal and goal.stopped and not ends:
+            log.error("%s: the server does not cancel %s", self.name, self._said(goal))
+        self._gatherings.told(id, goal.stamp if goal else 0, ends=ends)
+
+    # What it tells
+
+    def server_told(self, end: ActionEnd, message: bytes) -> None:
+        """Take what the server tells on its topics."""
+        try:
+            if end is ActionEnd.STATUS:
+                self._status(message)
+            else:
+                self._feedback(message)
+        except WireError as error:
+            self._complain(Peer(self.server, self._ways.info), f"cannot be read: {error}")
+
+    def _feedback(self, message: bytes) -> None:
+        """Tell the goal's client; what overtakes the result comes after the goal is over."""
+        id = feedback_id(message)
+        goal = self.goals.find(id)
+        flow = goal.flow if goal else self._results.flow(id)
+        self._ways.tell(ActionEnd.FEEDBACK, message, [flow] if flow else [])
+
+    def _status(self, message: bytes) -> None:
+        now = self._transport.now()
+        listed = {told.id: told for told in read_statuses(message)}
+        self._desk.listed = listed if self.server else {}
+        states = {id: _OVER if told.status in OVER else _IN_PROGRESS for id, told in listed.items()}
+        news = compare(self.goals, states, now)
+        for id in news.astray:
+            self._cancel_at_server(id)
+        for goal in news.found:
+            self._found(goal, now)
+        for goal in news.over:
+            self._await_result(goal, listed[goal.id].status)
+            if not goal.client:
+                self._end(goal, now)
+            self._turn_over(goal)
+        for goal in self.goals:
+            if not goal.client and states.get(goal.id, _OVER) == _OVER:
+                self._end(goal, now)
+                self._turn_over(goal)
+        self._desk.tell()
+
+    # How a goal ends
+
+    def _finish(
+        self, task: Task, status: int, result: object | None = None, *, why: str = ""
+    ) -> None:
+        """End a goal and answer its client; `why` says why the guard does, not the server."""
+        goal, now = task.goal, self._transport.now()
+        self._end(goal, now)
+        self._bequest.keep_now()
+        if why:
+            log.info("%s: %s: %s", self.name, self._said(goal), why)
+        if not task.known:
+            task.reject()
+            task.end(UNKNOWN, None)
+            return
+        kept = Result(goal.client, goal.flow, goal.stamp, status, result, now + KEPT_FOR)
+        self._results.keep(goal.id, kept)
+        task.end(status, result)
+        if why:
+            self._desk.ended(task, status)
+
+    def _end(self, goal: Goal, now: int) -> None:
+        self._tasks.pop(goal.id, None)
+        self._gatherings.told(goal.id, goal.stamp, ends=False)
+        super()._end(goal, now)
+
+    def _serving(self) -> str:
+        return self.server
+
+    def _hears(self) -> bool:
+        return bool(self.server)
+
+    def _serves(self) -> bool:
+        return self._hears()
+
+    def _said(self, goal: Goal) -> str:
+        return f"goal {goal.id.hex()} of {goal.client or 'the server itself'}"

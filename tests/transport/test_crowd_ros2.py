@@ -1,0 +1,60 @@
+"""A crowd of a stranger's endpoints on a topic of a real domain: who is known stays known."""
+
+from contextlib import closing
+
+import pytest
+
+pytest.importorskip("rclpy")
+from ros2_world import OnRos2
+
+from rtron.guard.transport.ros2.crowd import MOST
+from rtron.wire.ros2.interfaces import interface
+from rtron.wire.ros2.session import Session
+
+pytestmark = [
+    pytest.mark.ros2,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+TOPIC = "/words"
+
+
+@pytest.fixture
+def stranger(ros2, monkeypatch):
+    """Be a participant that comes first by its GID."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    with closing(Session(domain=ros2.domain)) as session:
+        session.node("/mallory")
+        yield session
+
+
+@pytest.fixture
+def world(ros2, stranger):
+    with OnRos2(ros2) as world:
+        yield world
+
+
+def test_who_is_known_is_heard_whatever_crowd_comes(world, stranger):
+    heard, lost = [], []
+
+    def connect(peer):
+        return heard.append if peer.node == "/nav" else None
+
+    world.transport.subscribe("/guard", TOPIC, "std_msgs/String", connect, lost.append)
+    nav = world.publisher("/nav", TOPIC)
+    nav.say(world.text("before"))
+
+    def says(word):
+        nav.say(world.text(word))
+        return world.text(word) in heard
+
+    world.until(lambda: says("before"))
+    cls = interface("std_msgs/String").cls
+    for _ in range(MOST + 50):
+        stranger.node("/mallory").create_publisher(cls, TOPIC, 1)
+    ends = world.transport.graph.ends
+    world.until(lambda: len(ends(TOPIC).publishers) == MOST)
+    participants = [each.participant for each in ends(TOPIC).publishers]
+    assert participants == sorted(participants)
+    assert participants[0] == stranger.participant("/mallory")
+    world.until(lambda: says("after"))
+    assert lost == []

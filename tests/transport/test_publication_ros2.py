@@ -1,0 +1,53 @@
+"""What a topic of the guard on ROS 2 says before its successors are there."""
+
+import pytest
+
+from rtron.vocabulary import SECOND, QoS
+
+pytest.importorskip("rclpy")
+from rtron.guard.transport.ros2 import publication
+
+pytestmark = [
+    pytest.mark.ros2,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+    pytest.mark.parametrize("world", ["ros2"], indirect=True),
+]
+TOPIC, DRIVER, TOOL = "/rtron/cmd/out", "/driver", "/tool"
+
+
+@pytest.fixture
+def output(world):
+    output = world.transport.advertise("/rtron/a", TOPIC, "std_msgs/String", successors=(DRIVER,))
+    output.learn(world.info())
+    output.offer("one", QoS())
+    return output
+
+
+def listening(world, output, node):
+    """Return what a node hears, once the guard knows that it listens."""
+    heard = world.listener(node, TOPIC)
+    world.until(lambda: output.reaches(node))
+    return heard
+
+
+def test_a_tool_that_listens_does_not_end_the_waiting_for_the_successor(world, output, monkeypatch):
+    monkeypatch.setattr(publication, "_AWAIT_FIRST", 100 * SECOND)
+    tool = listening(world, output, TOOL)
+    words = [world.text(number) for number in range(3)]
+    for word in words:
+        output.publish(word)
+    driver = world.listener(DRIVER, TOPIC)
+    world.until(lambda: len(driver) == len(tool) == len(words))
+    assert driver == tool == words
+
+
+def test_what_has_waited_too_long_for_the_successor_is_told_to_nobody(world, output):
+    tool = listening(world, output, TOOL)
+    output.publish(world.text("stale"))
+    began = world.transport.now()
+    world.until(lambda: world.transport.now() - began > SECOND)
+    output.publish(world.text("live"))
+    driver = listening(world, output, DRIVER)
+    world.until(lambda: output.publish(world.text("last")) or driver)
+    assert tool[0] == world.text("live")
+    assert set(driver) == {world.text("last")}
