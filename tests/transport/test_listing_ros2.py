@@ -8,6 +8,7 @@ pytest.importorskip("rclpy")
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
+from rtron.errors import SourceError
 from rtron.guard.transport.ros2.crowd import MOST
 from rtron.guard.transport.ros2.listing import Listing
 from rtron.vocabulary import Direction
@@ -78,3 +79,9 @@ def test_of_a_crowd_it_tells_of_some_and_of_those_that_are_known(session):
     found = listing.ends("/t", Direction.PUBLISH, last)
     assert len(first) == len(found) == MOST
     assert set(last) <= set(found)
+
+
+def test_a_version_with_another_layout_is_refused(session, monkeypatch):
+    monkeypatch.setattr("rtron.guard.transport.ros2.listing.GID_SIZE", 12)
+    with pytest.raises(SourceError, match="does not know this version"):
+        Listing(session.node("/node"))

@@ -16,7 +16,6 @@ from ctypes import (
     c_bool,
     c_char_p,
     c_int,
-    c_size_t,
     c_uint64,
     c_void_p,
     py_object,
@@ -27,12 +26,13 @@ from typing import TYPE_CHECKING, Any
 import rclpy
 from rclpy.serialization import deserialize_message
 
-from rtron.errors import WireError
+from rtron.errors import SourceError, WireError
 from rtron.messages.definition_text import parse_definition
 from rtron.messages.whole import whole
 from rtron.wire.ros2.endpoints import GID_SIZE
 from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.serialized import Room, function
+from rtron.wire.ros2.serialized import Room
+from rtron.wire.ros2.structures import Profile, function
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,26 +47,7 @@ _MOST_PARTICIPANTS = 4096
 _MOST_AT_ONCE = 4096
 _KEEP_LAST, _RELIABLE, _TRANSIENT_LOCAL = 1, 1, 1
 _DEPTH = 1000
-
-
-class _Duration(Structure):
-    _fields_ = (("sec", c_uint64), ("nsec", c_uint64))
-
-
-class _Profile(Structure):
-    """rmw_qos_profile_t (rmw/types.h)."""
-
-    _fields_ = (
-        ("history", c_int),
-        ("depth", c_size_t),
-        ("reliability", c_int),
-        ("durability", c_int),
-        ("deadline", _Duration),
-        ("lifespan", _Duration),
-        ("liveliness", c_int),
-        ("lease", _Duration),
-        ("avoid_ros_namespace_conventions", c_bool),
-    )
+_ASKED = c_void_p, c_void_p, c_char_p, c_void_p, c_void_p
 
 
 class _Options(Structure):
@@ -108,22 +89,24 @@ class Claims:
 
     def _subscribed(self) -> int | None:
         """Return the subscription's pointer, None if there can be none."""
+        try:
+            found = interface(_TYPE)
+        except SourceError as error:
+            log.debug("nobody tells which endpoints its nodes have: %s", error)
+            return None
         defaults = function(ctypes.CDLL("librmw.so").rmw_get_default_subscription_options, _Options)
-        create = self._rmw.rmw_create_subscription
-        create = function(create, c_void_p, c_void_p, c_void_p, c_char_p, c_void_p, c_void_p)
-        profile = _Profile(
+        profile = Profile(
             history=_KEEP_LAST,
             depth=_DEPTH,
             reliability=_RELIABLE,
             durability=_TRANSIENT_LOCAL,
-            avoid_ros_namespace_conventions=True,
+            raw_name=True,
         )
-        options = defaults()
+        asked, options = byref(profile), defaults()
+        create = function(self._rmw.rmw_create_subscription, c_void_p, *_ASKED)
         made: int | None = create(
-            self._node, _type_support(interface(_TYPE).cls), _TOPIC, byref(profile), byref(options)
+            self._node, _type_support(found.cls), _TOPIC, asked, byref(options)
         )
-        if not made:
-            log.debug("nobody tells which endpoints its nodes have")
         return made
 
     def _hear(self, message: bytes) -> None:

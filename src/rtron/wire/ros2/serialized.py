@@ -6,14 +6,10 @@ import ctypes
 from ctypes import Structure, addressof, c_char_p, c_int, c_size_t, c_ssize_t, c_void_p, py_object
 from typing import Any
 
+from rtron.wire.ros2.structures import Allocator, default_allocator, function
+
 _FIRST_CAPACITY = 1 << 16
 _LARGEST_KEPT = 1 << 24
-
-
-class Allocator(Structure):
-    """rcutils_allocator_t: five pointers."""
-
-    _fields_ = (("calls", c_void_p * 5),)
 
 
 class Serialized(Structure):
@@ -34,7 +30,7 @@ class Room:
         utils = ctypes.CDLL("librcutils.so")
         self._init = function(utils.rcutils_uint8_array_init, c_int, c_void_p, c_size_t, c_void_p)
         self._fini = function(utils.rcutils_uint8_array_fini, c_int, c_void_p)
-        self.allocator: Allocator = function(utils.rcutils_get_default_allocator, Allocator)()
+        self.allocator = default_allocator()
         self._message = Serialized()
         self.at = addressof(self._message)
         """Where rcl and rmw are to put a message."""
@@ -56,12 +52,6 @@ class Room:
 
     def _grow(self) -> None:
         self._init(self.at, _FIRST_CAPACITY, addressof(self.allocator))
-
-
-def function(function: Any, result: Any, *arguments: Any) -> Any:  # noqa: ANN401 - ctypes
-    """Return a C function that knows its types."""
-    function.restype, function.argtypes = result, arguments
-    return function
 
 
 def _bytes_at() -> Any:  # noqa: ANN401 - ctypes

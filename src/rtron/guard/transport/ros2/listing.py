@@ -7,6 +7,7 @@ rclpy makes objects of all there are before it tells of anybody, which takes a s
 from __future__ import annotations
 
 import ctypes
+import uuid
 from ctypes import (
     POINTER,
     Structure,
@@ -16,16 +17,25 @@ from ctypes import (
     c_int,
     c_size_t,
     c_uint8,
-    c_uint64,
     c_void_p,
     string_at,
 )
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from rtron.errors import WireError
+from rtron.errors import SourceError, WireError
 from rtron.guard.transport.ros2.crowd import to_know
-from rtron.vocabulary import SECOND, Direction, Durability, Liveliness, QoS, Reliability
-from rtron.wire.ros2.endpoints import GID_SIZE, Ros2Endpoint, node_name
+from rtron.vocabulary import (
+    PRIVATE_ROOT,
+    SECOND,
+    Direction,
+    Durability,
+    Liveliness,
+    QoS,
+    Reliability,
+)
+from rtron.wire.ros2.endpoints import GID_SIZE, Ros2Endpoint, node_name, publishers_of
+from rtron.wire.ros2.interfaces import interface
+from rtron.wire.ros2.structures import Profile, Time, default_allocator, function
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,26 +44,7 @@ if TYPE_CHECKING:
 
 _BEST_EFFORT, _TRANSIENT_LOCAL, _MANUAL_BY_TOPIC = 2, 1, 3
 _NEVER = 1 << 62
-
-
-class _Time(Structure):
-    _fields_ = (("sec", c_uint64), ("nsec", c_uint64))
-
-
-class _QoS(Structure):
-    """rmw_qos_profile_t."""
-
-    _fields_ = (
-        ("history", c_int),
-        ("depth", c_size_t),
-        ("reliability", c_int),
-        ("durability", c_int),
-        ("deadline", _Time),
-        ("lifespan", _Time),
-        ("liveliness", c_int),
-        ("lease", _Time),
-        ("raw_name", c_bool),
-    )
+_ASKED = c_int, c_void_p, c_void_p, c_char_p, c_bool, c_void_p
 
 
 class _Hash(Structure):
@@ -72,7 +63,7 @@ class _Info(Structure):
         ("hash", _Hash),
         ("kind", c_int),
         ("gid", c_uint8 * GID_SIZE),
-        ("qos", _QoS),
+        ("qos", Profile),
     )
 
 
@@ -82,26 +73,24 @@ class _Infos(Structure):
     _fields_ = (("size", c_size_t), ("found", POINTER(_Info)))
 
 
-class _Allocator(Structure):
-    _fields_ = (("calls", c_void_p * 5),)
-
-
 class Listing:
-    """Asks what the domain has told one of our nodes; `raw` asks by the middleware's own names."""
+    """Asks what the domain has told one of our nodes; `raw` asks by the middleware's own names.
+
+    SourceError if this version of ROS 2 lays out its structures in another way than is read here.
+    """
 
     def __init__(self, node: Node, *, raw: bool = False) -> None:
         rcl, rmw = ctypes.CDLL("librcl.so"), ctypes.CDLL("librmw.so")
-        allocator = ctypes.CDLL("librcutils.so").rcutils_get_default_allocator
-        allocator.restype = _Allocator
-        self._allocator = allocator()
+        self._allocator = default_allocator()
         self._node = node
         self._raw = raw
         self._ask = {
-            Direction.PUBLISH: _asks(rcl.rcl_get_publishers_info_by_topic),
-            Direction.SUBSCRIBE: _asks(rcl.rcl_get_subscriptions_info_by_topic),
+            Direction.PUBLISH: function(rcl.rcl_get_publishers_info_by_topic, *_ASKED),
+            Direction.SUBSCRIBE: function(rcl.rcl_get_subscriptions_info_by_topic, *_ASKED),
         }
-        self._free = rmw.rmw_topic_endpoint_info_array_fini
-        self._free.restype, self._free.argtypes = c_int, (c_void_p, c_void_p)
+        self._free = function(rmw.rmw_topic_endpoint_info_array_fini, c_int, c_void_p, c_void_p)
+        if not raw:
+            self._check()
 
     def ends(
         self, topic: str, direction: Direction, known: Sequence[Ros2Endpoint], but: bytes = b"\xff"
@@ -124,11 +113,19 @@ class Listing:
         finally:
             self._free(addressof(infos), allocator)
 
+    def _check(self) -> None:
+        """Compare with what rclpy tells of a publisher of ours."""
+        topic = f"{PRIVATE_ROOT}/self_{uuid.uuid4().hex}"
+        publisher = self._node.create_publisher(interface("std_msgs/Empty").cls, topic, 1)
+        try:
+            read, told = self.ends(topic, Direction.PUBLISH, ()), publishers_of(self._node, topic)
+        finally:
+            self._node.destroy_publisher(publisher)
+        if list(read) != told:
+            raise SourceError("the guard does not know this version of ROS 2", help=_HELP)
 
-def _asks(function: Any) -> Any:  # noqa: ANN401 - ctypes
-    function.restype = c_int
-    function.argtypes = (c_void_p, c_void_p, c_char_p, c_bool, c_void_p)
-    return function
+
+_HELP = "it knows Jazzy and Kilted; tell us of yours"
 
 
 def _gids(infos: _Infos) -> list[bytes]:
@@ -159,7 +156,7 @@ def _hash(told: _Hash) -> str:
     return f"RIHS{told.version:02}_{bytes(told.value).hex()}" if told.version else ""
 
 
-def _qos(told: _QoS) -> QoS:
+def _qos(told: Profile) -> QoS:
     """Return a profile in our words; what is unknown or the system's choice is ROS 2's default."""
     best_effort = told.reliability == _BEST_EFFORT
     latched = told.durability == _TRANSIENT_LOCAL
@@ -175,7 +172,7 @@ def _qos(told: _QoS) -> QoS:
     )
 
 
-def _bounded(told: _Time) -> int:
+def _bounded(told: Time) -> int:
     """Return a duration in ns, 0 for one without end."""
     duration: int = told.sec * SECOND + told.nsec
     return duration if duration < _NEVER else 0

@@ -14,7 +14,8 @@ from typing import Any
 
 from rtron.errors import WireError
 from rtron.wire.ros2.endpoints import GID_SIZE
-from rtron.wire.ros2.serialized import Room, Serialized, function
+from rtron.wire.ros2.serialized import Room, Serialized
+from rtron.wire.ros2.structures import function
 
 _OK, _NOTHING = 0, 401
 _INFO_SIZE = 256
