@@ -248,3 +248,10 @@ def test_a_process_that_was_killed_lives_no_more_although_nobody_has_waited_for_
         os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
         assert not processes.lives(found)
     assert not processes.lives(found)
+
+
+def test_who_supervises_us_is_kin_whoever_started_it():
+    processes = Processes()
+    assert not processes.is_kin(1) or os.getppid() == 1
+    processes.supervisor = lambda: 1
+    assert processes.is_kin(1)

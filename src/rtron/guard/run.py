@@ -74,6 +74,8 @@ def run_guard(
         measuring.keep(figures)
     door = _door(loop, plan, control, Overriding(host, transport).answer)
     _hear_complaints(host, transport)
+    if tie and not isinstance(transport, Ros1Transport):
+        transport.processes.supervisor = lambda: tie.supervisor
     auditor = _auditor(plan, master, host, transport, loop, dry_run=dry_run)
     run_host(host, transport, loop, auditor, tie, linked)
     if measuring and figures:

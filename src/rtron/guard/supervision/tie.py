@@ -83,6 +83,11 @@ class Tie:
         if self._address:
             self._door.close()
 
+    @property
+    def supervisor(self) -> int:
+        """Who supervises the guard now, by its process id, 0 if nobody does."""
+        return peer_of(self._life)[0] if self._life else 0
+
     def _beat(self) -> None:
         now = self._loop.now()
         self._loop.call_at(now + LOOK, self._beat)

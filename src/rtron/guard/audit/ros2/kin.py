@@ -1,7 +1,7 @@
 """Which participants are the supervisors': they may say in the guard's place what stops the robot.
 
-A supervisor is the process that has started the guard, or one that the guard has started, and it
-has one participant.
+A supervisor is the process that has started the guard, one that the guard has started, or one that
+has taken a running guard over; it has one participant.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ sees nobody outside.
 
 import os
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,6 +42,8 @@ class Processes:
     """Finds a process by the end of its own id; `look` keeps up with who comes and goes."""
 
     def __init__(self, proc: Path = Path("/proc")) -> None:
+        self.supervisor: Callable[[], int] = lambda: 0
+        """Returns who supervises us now, by its process id, 0 if nobody does."""
         self._proc = proc
         self._own_ids: dict[int, int | None] = {}
         self._by_low: dict[int, list[int]] = {}
@@ -98,9 +100,10 @@ class Processes:
         return None if ended else (pid, int(stat[_START_TIME]))
 
     def is_kin(self, pid: int) -> bool:
-        """Tell whether a process has started this one, or was started by it."""
+        """Tell whether a process supervises this one, has started it, or was started by it."""
         with suppress(OSError):
-            return pid == os.getppid() or int(self._stat(pid)[_PARENT]) == os.getpid()
+            near = (self.supervisor(), os.getppid())
+            return pid in near or int(self._stat(pid)[_PARENT]) == os.getpid()
         return False
 
     def _running(self, known: dict[int, int | None]) -> Iterator[tuple[int, int | None]]:
