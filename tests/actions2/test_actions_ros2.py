@@ -7,19 +7,25 @@ from random import Random
 import pytest
 
 pytest.importorskip("rclpy")
-from action_app2 import ACTION, ONE, SERVER, TWO, TYPE, Guard, Server, settle
-from action_msgs.msg import GoalInfo
+from action_app2 import ACTION, ONE, SERVER, TWO, TYPE, Client, Guard, Server, settle
+from action_msgs.msg import GoalInfo, GoalStatusArray
 from harness import wait_for
+from rclpy.qos import qos_profile_action_status_default
 
+from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.will import Will
 from rtron.vocabulary import (
     MSRCN,
+    ActionEnd,
+    AlarmKind,
     Flow,
     GuardedTopic,
     MessageDefinition,
     Mode,
     PolicyName,
     Rule,
+    end_name,
+    output_topic,
 )
 
 pytestmark = pytest.mark.ros2
@@ -185,7 +191,7 @@ def test_a_guard_that_is_restarted_answers_the_goals_of_the_one_before(app2):
     wait_for(lambda: app.server.started, what="the goal")
     app.two.ask(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
-    wait_for(lambda: len(json.loads(app.wills[-1])["results /fib"]) == 2, what="the will")
+    wait_for(lambda: len(json.loads(app.wills[-1]).get("results /fib", ())) == 2, what="the will")
     app.end(app.guard)
     app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
     wait_for(lambda: app.two.answers[2], what="the answer to the goal that waited")
@@ -209,7 +215,7 @@ def test_the_goals_of_the_guard_before_are_answered_though_the_server_comes_late
     wait_for(lambda: app.server.started, what="the goal")
     app.two.ask(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
-    wait_for(lambda: len(json.loads(app.wills[-1])["results /fib"]) == 2, what="the will")
+    wait_for(lambda: len(json.loads(app.wills[-1]).get("results /fib", ())) == 2, what="the will")
     app.end(app.guard)
     app.end(app.server)
     app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
@@ -244,14 +250,75 @@ def test_strangers_are_rejected_and_cancel_nothing(app2):
     assert app.one.answers[1] == [("succeeded", [1, 2])]
 
 
-def test_a_second_server_is_not_asked_nor_the_first_any_more(app2):
+def test_beside_a_second_server_the_first_keeps_its_goal_and_neither_is_sent_another(app2, caplog):
     app = app2()
-    wait_for(lambda: app.guard.action.server, what="the first to be noticed")
-    other = app.keep(Server(app.domain, "/mallory"))
-    wait_for(lambda: not app.guard.action.server, what="two servers to be noticed")
     app.one.ask(1)
-    wait_for(lambda: app.one.answers[1], what="a no")
-    assert (app.one.answers[1], other.started, app.server.started) == ([("rejected", [])], [], [])
+    wait_for(lambda: app.server.started, what="the goal")
+    app.two.ask(2)
+    wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
+    other = app.keep(Server(app.domain, "/mallory"))
+    wait_for(lambda: app.guard.action.doubt, what="two servers to be noticed")
+    app.two.ask(3)
+    wait_for(lambda: app.two.answers[3], what="a no")
+    settle(3)
+    assert (app.one.answers[1], app.two.answers[3]) == ([], [("rejected", [])])
+    app.server.finish(1)
+    wait_for(lambda: app.one.answers[1], what="the end that the first tells")
+    assert app.one.answers[1][0][0] == "succeeded"
+    assert (other.started, app.server.started, app.two.answers[2]) == ([], [1], [])
+    assert caplog.text.count("2 nodes serve it") == 1
+    app.end(other)
+    wait_for(lambda: app.server.started == [1, 2], what="the goal that waited")
+
+
+def test_who_only_tells_a_status_does_not_keep_a_goal_from_being_cancelled(app2):
+    app = app2()
+    app.one.ask(1)
+    wait_for(lambda: app.server.started, what="the goal")
+    stranger = app.keep(Client(app.domain, "/mallory", ACTION))
+    name = end_name(output_topic(ACTION), ActionEnd.STATUS)
+    stranger.node.create_publisher(GoalStatusArray, name, qos_profile_action_status_default)
+    wait_for(lambda: app.guard.action.doubt, what="the stranger to be noticed")
+    app.guard.do(lambda: app.guard.action.brake("a test", "a person is there"))
+    wait_for(lambda: app.one.answers[1], what="the end of the goal")
+    assert app.one.answers[1][0][0] == "canceled"
+    assert app.server.cancels == [1]
+
+
+def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(app2):
+    app = app2()
+    guard = app.guard
+    auditor = Ros2Auditor(app.plan, guard.host, guard.transport, guard.loop)
+    guard.do(auditor.start)
+    app.one.ask(1)
+    wait_for(lambda: app.server.started, what="the goal")
+    assert guard.do(lambda: guard.host.alarms.standing) == ()
+    other = app.keep(Server(app.domain, "/mallory"))
+    wait_for(lambda: app.one.answers[1], what="the end of the goal")
+    assert app.one.answers[1] == [("canceled", [-1])]
+    standing = guard.do(lambda: guard.host.alarms.standing)
+    (alarm,) = (each for each in standing if f"offers to serve {ACTION}, too" in each.reason)
+    assert (alarm.kind, alarm.peer) == (AlarmKind.FOREIGN_PUBLISHER, "/mallory")
+    app.end(other)
+    wait_for(lambda: not guard.do(lambda: guard.host.alarms.standing), what="the alarm to end")
+    app.two.ask(2)
+    wait_for(lambda: app.server.started == [1, 2], what="a goal after the alarm")
+    assert other.started == []
+
+
+@pytest.mark.filterwarnings("ignore:Deprecated in favor of:DeprecationWarning")
+def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(app2):
+    app = app2()
+    app.one.ask(1)
+    wait_for(lambda: app.server.started, what="the goal")
+    wait_for(lambda: len(json.loads(app.wills[-1]).get("results /fib", ())) == 1, what="the will")
+    app.end(app.guard)
+    app.keep(Server(app.domain, "/mallory"))
+    app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
+    action = app.guard.action
+    wait_for(lambda: action.server and action.doubt, what="the first and the second")
+    app.guard.do(lambda: action.brake("a test", "a person is there"))
+    wait_for(lambda: app.server.cancels, what="the cancel")
 
 
 OWN = MessageDefinition(type=TYPE, definition="int32 order\n")

@@ -50,6 +50,8 @@ from rtron.vocabulary import (
 )
 
 OURS = frozenset({GUARD})
+ACTION_OUT = f"/rtron{NAVIGATE}/out"
+ACTION_STATUS = f"{ACTION_OUT}/_action/status"
 RUNNING = {1000, 2000, 3000, 4000, 5000}
 
 
@@ -244,10 +246,48 @@ class TestAction:
     def test_a_client_of_the_public_name_is_the_guards_business(self):
         assert found(calls(NAVIGATE, SEND_GOAL, "/rogue", ROGUE), plan=action_plan()) == []
 
-    def test_a_second_server_is_told(self):
-        rogue = serves(f"/rtron{NAVIGATE}/out", SEND_GOAL, "/rogue", ROGUE)
-        ((alarm, braked),) = found(*rogue, plan=action_plan())
+    def test_a_second_server_is_told_once_and_braked(self):
+        status = publisher(ACTION_STATUS, "/rogue", ROGUE)
+        service = serves(ACTION_OUT, SEND_GOAL, "/rogue", ROGUE)
+        for ends in ([status], service, [status, *service]):
+            assert set(found(*ends, plan=action_plan())) == {
+                (
+                    Alarm(
+                        kind=AlarmKind.FOREIGN_PUBLISHER,
+                        reason=f"/rogue of the participant {ROGUE.hex()} offers to serve "
+                        f"{NAVIGATE}, too",
+                        topic=ACTION_OUT,
+                        peer="/rogue",
+                    ),
+                    (NAVIGATE,),
+                )
+            }
+
+    def test_a_second_server_without_a_name_has_a_moment_to_be_named(self):
+        look, nameless = Look(action_plan()), publisher(ACTION_STATUS, "", ROGUE)
+        assert look.at(0, nameless) == look.at(AWAIT_NAME, nameless) == []
+        ((alarm, braked),) = look.at(AWAIT_NAME + 1, nameless)
+        assert (alarm.kind, braked) == (AlarmKind.GHOST, (NAVIGATE,))
+
+    def test_feedback_of_a_stranger_brakes_nothing(self):
+        rogue = publisher(f"{ACTION_OUT}/_action/feedback", "/rogue", ROGUE)
+        ((alarm, braked),) = found(rogue, plan=action_plan())
         assert (alarm.peer, braked) == ("/rogue", ())
+
+    def test_the_server_and_one_started_in_its_place_are_no_alarm(self):
+        look = Look(action_plan())
+        old, new = (publisher(ACTION_STATUS, "/server", each) for each in (NAV, ROGUE))
+        assert look.at(0, old) == []
+        look.machine.end(2000)
+        assert look.at(1, old, new) == []
+
+    def test_a_second_server_with_the_name_of_the_first_is_braked(self):
+        one, two = (publisher(ACTION_STATUS, "/server", each) for each in (NAV, ROGUE))
+        ((alarm, braked),) = found(one, two, plan=action_plan())
+        assert (alarm.kind, alarm.node, braked) == (AlarmKind.IMPOSTOR, "/server", (NAVIGATE,))
+        elsewhere = publisher("/rosout", "/server", ROGUE)
+        ((_, braked),) = found(one, elsewhere, plan=action_plan())
+        assert braked == ()
 
 
 class TestCases:

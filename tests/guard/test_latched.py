@@ -1,6 +1,7 @@
 """A latched goal is acted on once, whoever guards."""
 
 from dataclasses import replace
+from time import monotonic_ns, time_ns
 
 import pytest
 from streams import peer, stage, stream
@@ -9,17 +10,19 @@ from rtron.guard.host import Host
 from rtron.guard.transport.memory import MemoryTransport
 from rtron.guard.transport.numbered import Numbered
 from rtron.guard.will import Will
-from rtron.vocabulary import Durability, PolicyName, QoS, StreamKind
+from rtron.vocabulary import SECOND, Durability, PolicyName, QoS, StreamKind
 
 IN, OUT = "/rtron/goal/flow1", "/rtron/goal/out"
 KEPT = QoS(durability=Durability.TRANSIENT_LOCAL)
 
 
-def guard(left=b"", kind=StreamKind.ACTION, *, dry_run=False):
+def guard(left=b"", kind=StreamKind.ACTION, *, left_at=0, dry_run=False):
     written = []
+    will = Will(left, written.append)
+    will.left_at = left_at
     made = stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal")
     transport = MemoryTransport()
-    Host(transport, [made], will=Will(left, written.append), dry_run=dry_run).open()
+    Host(transport, [made], will=will, dry_run=dry_run).open()
     return transport, transport.listen(OUT), written
 
 
@@ -145,6 +148,65 @@ def test_a_command_that_was_kept_is_done_once_and_a_state_is_told_again(kind, ti
     transport, other, _ = guard(written[-1] if written else b"", kind=kind)
     hear(transport, numbered(1))
     assert one + other == numbered(1) * times
+
+
+@pytest.mark.parametrize(
+    ("kind", "done", "expected"),
+    [
+        (StreamKind.COMMAND, None, True),
+        (StreamKind.ACTION, None, False),
+        (StreamKind.COMMAND, "/navigate/done", False),
+        (StreamKind.STATE, None, False),
+    ],
+)
+def test_only_commands_are_for_the_moment(kind, done, expected):
+    made = replace(stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal"), done=done)
+    host = Host(MemoryTransport(), [made])
+    host.open()
+    assert host.guarded[0]._is_momentary(peer("/nav", latching=True)) is expected
+
+
+def given(*ages):
+    """Return goals that were given so long (s) before now."""
+    now = time_ns()
+    return [
+        Numbered.of(b"goal", "w1", number, now - int(age * SECOND))
+        for number, age in enumerate(ages, 1)
+    ]
+
+
+def test_what_was_said_before_the_last_guard_was_gone_is_old():
+    """That guard has left no numbers, only when it was last there."""
+    words = given(3600, 60, 3)
+    transport, out, _ = guard(left_at=time_ns() - 60 * SECOND)
+    hear(transport, words)
+    assert out == words[-1:]
+
+
+def test_the_very_moment_of_the_last_sign_of_life_counts_as_before():
+    words = given(60, 59)
+    transport, out, _ = guard(left_at=words[0].said)
+    hear(transport, words)
+    assert out == words[1:]
+
+
+@pytest.mark.parametrize("kind", [StreamKind.ACTION, StreamKind.COMMAND])
+def test_where_no_guard_was_before_all_that_was_kept_is_heard(kind):
+    words = given(3600, 60, 3)
+    transport, out, _ = guard(kind=kind)
+    hear(transport, words)
+    assert out == words
+
+
+def test_a_publisher_whose_clock_is_slow_is_heard_once_its_history_has_come(monkeypatch):
+    transport, out, _ = guard(left_at=time_ns())
+    say = transport.publisher(IN, replace(peer("/nav", latching=True), qos=KEPT))
+    one, other = given(3600, 3500)
+    say(one)
+    later = monotonic_ns() + 10 * SECOND
+    monkeypatch.setattr("rtron.guard.latched.monotonic_ns", lambda: later)
+    say(other)
+    assert out == [other]
 
 
 def test_a_kept_command_of_ros1_is_done_whenever_it_comes():

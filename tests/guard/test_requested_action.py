@@ -1,5 +1,6 @@
 """A guarded action of ROS 2 in memory: clients, a stranger and a server that only say and hear."""
 
+import logging
 from collections import defaultdict
 
 import pytest
@@ -90,6 +91,9 @@ class Act:
         self.ends = self.transport.ends
         if served:
             self.serve()
+
+    def doubt(self, why="2 nodes serve it"):
+        self.action.server_doubted(why)
 
     def serve(self, incarnation=b"first"):
         self.action.server_came(SERVER, incarnation)
@@ -431,6 +435,159 @@ def test_a_goal_that_was_answered_and_goes_on_is_cancelled():
     act.tell((1, EXECUTING))
     assert set(act.ends.cancels) == {(of(1), 0)}
     assert act.listed() == {1: ABORTED}
+
+
+def test_what_was_answered_is_cancelled_at_once_when_the_server_is_back():
+    act = Act(PolicyName.BLOCK)
+    act.ask(ONE, 1)
+    act.accept(1)
+    act.ask(ONE, 2)
+    act.action.server_left()
+    act.transport.advance(LOST_AFTER)
+    assert act.ends.cancels == {}
+    act.serve()
+    assert set(act.ends.cancels) == {(of(1), 0), (of(2), 0)}
+    act.ends.cancels.clear()
+    act.action.server_left()
+    act.serve()
+    assert act.ends.cancels == {}
+
+
+def test_another_server_is_asked_to_cancel_nothing():
+    act = Act()
+    act.ask(ONE, 1)
+    act.accept(1)
+    act.action.server_left()
+    act.transport.advance(LOST_AFTER)
+    act.serve(b"second")
+    act.action.server_left()
+    act.serve(b"second")
+    assert act.ends.cancels == {}
+
+
+def test_a_goal_goes_on_while_the_server_is_in_doubt_and_no_other_is_sent():
+    act = Act()
+    act.ask(ONE, 1)
+    act.accept(1)
+    act.ask(TWO, 2)
+    waiting, other = act.want(ONE, 1), act.want(TWO, 2)
+    act.doubt()
+    assert act.action.details["server"] == SERVER
+    assert act.action.details["server in doubt"] == "2 nodes serve it"
+    assert act.ask(TWO, 3) == [None]
+    act.transport.advance(10 * LOST_AFTER)
+    assert (waiting, other) == ([], [])
+    act.tell((1, SUCCEEDED))
+    act.finish(1)
+    assert (waiting, act.started()) == ([(SUCCEEDED, "result")], [1])
+    act.doubt("")
+    assert (act.started(), other) == ([1, 2], [])
+    assert "server in doubt" not in act.action.details
+    act.accept(2)
+    act.finish(2)
+    act.ask(ONE, 4)
+    assert act.started() == [1, 2, 4]
+
+
+def test_a_goal_whose_end_is_told_in_doubt_gets_its_result_in_time():
+    act = Act()
+    act.ask(ONE, 1)
+    act.accept(1)
+    waiting = act.want(ONE, 1)
+    act.doubt()
+    act.tell((1, CANCELED))
+    act.transport.advance(LOST_AFTER)
+    assert waiting == [(CANCELED, None)]
+
+
+@pytest.mark.parametrize("status", [UNKNOWN, SUCCEEDED, ABORTED])
+def test_a_result_that_the_server_did_not_tell_is_not_believed_in_doubt(status):
+    act = Act()
+    act.ask(ONE, 1)
+    act.accept(1)
+    waiting = act.want(ONE, 1)
+    act.tell((1, EXECUTING))
+    act.doubt()
+    act.finish(1, status)
+    assert waiting == []
+    act.ends.results.clear()
+    act.doubt("")
+    act.finish(1)
+    assert waiting == [(SUCCEEDED, "result")]
+
+
+def test_a_no_that_comes_in_doubt_is_followed_by_a_cancel():
+    act = Act()
+    answer = act.ask(ONE, 1)
+    act.doubt()
+    act.reject(1)
+    assert (answer, set(act.ends.cancels)) == ([None], {(of(1), 0)})
+
+
+def test_goals_wait_although_the_one_in_progress_ends_in_doubt_and_the_server_goes_and_comes():
+    act = Act()
+    act.ask(ONE, 1)
+    act.accept(1)
+    act.ask(TWO, 2)
+    act.doubt()
+    act.action.server_left()
+    act.serve(b"second")
+    assert act.started() == [1]
+    act.doubt("")
+    assert act.started() == [1, 2]
+
+
+def test_a_goal_that_is_let_go_in_doubt_is_aborted():
+    act = Act()
+    act.ask(ONE, 1)
+    act.accept(1)
+    act.ask(TWO, 2)
+    waiting = act.want(TWO, 2)
+    act.doubt()
+    act.action.pipeline.done(act.transport.now())
+    act.transport.advance(1)
+    assert (act.started(), waiting) == ([1], [(ABORTED, None)])
+
+
+def test_doubt_while_nothing_goes_on_lets_goals_go_afterwards(caplog):
+    caplog.set_level(logging.INFO)
+    act = Act()
+    act.doubt()
+    assert act.ask(ONE, 1) == [None]
+    assert "of /one: 2 nodes serve it" in caplog.text
+    act.doubt("")
+    assert act.ask(ONE, 2) == []
+    assert act.started() == [2]
+
+
+@pytest.mark.parametrize("accepted", [True, False])
+@pytest.mark.parametrize("away", ["in doubt", "gone"])
+def test_a_brake_cancels_and_halts_whatever_is_known_of_the_server(away, accepted):
+    halted = []
+    act = Act()
+    act.action.halted = lambda node, why: halted.append((node, why))
+    act.ask(ONE, 1)
+    if accepted:
+        act.accept(1)
+    if away == "gone":
+        act.action.server_left()
+    else:
+        act.doubt()
+    act.action.brake("a test", "a person is there")
+    asked = {(of(1), 0)} if accepted or away == "in doubt" else set()
+    assert (set(act.ends.cancels), halted) == (asked, [(SERVER, "a person is there")])
+
+
+def test_who_comes_in_the_place_of_the_server_is_halted_too():
+    halted = []
+    act = Act()
+    act.action.halted = lambda node, why: halted.append((node, why))
+    act.ask(ONE, 1)
+    act.accept(1)
+    act.action.brake("a test", "a person is there")
+    act.action.server_left()
+    act.action.server_came("/server2", b"first")
+    assert halted == [(SERVER, "a person is there"), ("/server2", "a person is there")]
 
 
 def test_the_servers_own_goals_take_the_turn():

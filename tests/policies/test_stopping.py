@@ -216,6 +216,9 @@ def test_the_wave():
         (Velocity(()), 0),
         (Velocity((20.0,)), LONGEST),
         (Velocity((20.1,)), LONGEST),
+        (Velocity((0.0,), (40.0,)), LONGEST),
+        (Velocity((0.0,), (40.1,)), 0),
+        (Velocity((1.0,), (40.1,)), SECOND // 2),
         (Velocity((1e308, 1e308), (1e308,)), LONGEST),
         (Velocity((1.7e308, 1.7e308)), LONGEST),
         (Velocity((5e-324,)), 0),
@@ -357,9 +360,10 @@ def test_no_wave_is_steeper_than_the_plan_allows(velocity, stop, latenesses):
     for (before, one), (after, other) in pairwise(began):
         assert other.speed <= one.speed
         assert other.turn <= one.turn
+        passed = (after - before + 2) / SECOND
         if lasts < LONGEST:
-            passed = (after - before + 2) / SECOND
             assert one.speed - other.speed <= stop.decel * passed * (1 + 1e-6)
+        if lasts < LONGEST and velocity.turn <= stop.angular_decel * LONGEST / SECOND:
             assert one.turn - other.turn <= stop.angular_decel * passed * (1 + 1e-6)
     for at, sent in out:
         left = max(0.0, (SILENT + lasts - at - stop.period) / lasts) if lasts else 0.0

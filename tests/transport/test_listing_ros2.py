@@ -1,10 +1,13 @@
 """Who is on a topic, as rcl tells it: the same as rclpy tells, whatever QoS there is."""
 
+import sys
 from contextlib import closing
 
 import pytest
+from harness import wait_for
 
 pytest.importorskip("rclpy")
+from harness2 import NODES2
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
@@ -85,3 +88,24 @@ def test_a_version_with_another_layout_is_refused(session, monkeypatch):
     monkeypatch.setattr("rtron.guard.transport.ros2.listing.GID_SIZE", 12)
     with pytest.raises(SourceError, match="does not know this version"):
         Listing(session.node("/node"))
+
+
+PROFILE = """<dds xmlns="http://www.eprosima.com"><profiles>
+<participant profile_name="own" is_default_profile="true">
+<rtps><prefix>ff.01.02.03.04.05.06.07.08.09.0a.0b</prefix></rtps>
+</participant></profiles></dds>"""
+
+
+def test_who_chooses_an_odd_id_is_told_like_anybody(ros2, session, tmp_path):
+    profile = tmp_path / "profile.xml"
+    profile.write_text(PROFILE)
+    files = dict.fromkeys(("FASTDDS", "FASTRTPS"), str(profile))
+    environ = {f"{name}_DEFAULT_PROFILES_FILE": file for name, file in files.items()}
+    ros2.spawn(sys.executable, NODES2 / "nodes2.py", "/odd", ">/t:std_msgs/String", **environ)
+    listing = Listing(session.node("/node"))
+
+    def told():
+        return [end.gid[:1] for end in listing.ends("/t", Direction.PUBLISH, ())]
+
+    wait_for(told, what="the publisher")
+    assert told() == [b"\xff"]

@@ -10,6 +10,7 @@ from rtron.guard.transport.ros2 import publication
 pytestmark = [
     pytest.mark.ros2,
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+    pytest.mark.filterwarnings("ignore:Deprecated in favor of:DeprecationWarning"),
     pytest.mark.parametrize("world", ["ros2"], indirect=True),
 ]
 TOPIC, DRIVER, TOOL = "/rtron/cmd/out", "/driver", "/tool"
@@ -51,3 +52,16 @@ def test_what_has_waited_too_long_for_the_successor_is_told_to_nobody(world, out
     world.until(lambda: output.publish(world.text("last")) or driver)
     assert tool[0] == world.text("live")
     assert set(driver) == {world.text("last")}
+
+
+def test_a_stop_is_offered_as_a_successor_asks_for_it_and_not_as_a_tool_does(world):
+    output = world.transport.advertise("/rtron/a", TOPIC, "std_msgs/String")
+    output.learn(world.info())
+    output.offer("one", QoS())
+    output.suit((DRIVER,))
+    made = output._writer
+    world.listener(TOOL, TOPIC, latched=True)
+    world.until(lambda: output.reaches(TOOL))
+    assert output._writer is made
+    heard = world.listener(DRIVER, TOPIC, latched=True)
+    world.until(lambda: output.publish(world.text("stop")) or heard)

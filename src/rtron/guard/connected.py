@@ -85,10 +85,11 @@ class Connected(ABC):
 
     def _open_done(self) -> None:
         if self.stream.done:
-            self._subscribe(self.stream.done, self._connect_done, "")
+            self._transport.subscribe(self.nodes[0], self.stream.done, "", self._connect_done)
 
     def _subscribe(self, topic: str, connect: Callable[[Peer], Receive | None], type: str) -> None:
-        self._transport.subscribe(self.nodes[0], topic, type, connect)
+        node = self.nodes[0]
+        self._transport.subscribe(node, topic, type, connect, momentary=self._is_momentary)
 
     def _connect_flow(self, flow: Flow, peer: Peer) -> Receive | None:
         if not (peer.verified and names_node(flow.publisher, peer.node)):
@@ -138,9 +139,16 @@ class Connected(ABC):
 
         Of a command of ROS 1 nobody knows whether it is said again or comes again.
         """
-        goals = self.stream.stages[0].settings.kind is StreamKind.ACTION or self.stream.action
         commands = peer.qos is not None and not self._keeps(peer)
-        return bool(goals or commands) and peer.latching and not self.dry_run
+        return (self._is_named_goal() or commands) and peer.latching and not self.dry_run
+
+    def _is_named_goal(self) -> bool:
+        is_action = self.stream.stages[0].settings.kind is StreamKind.ACTION
+        return is_action or bool(self.stream.action)
+
+    def _is_momentary(self, peer: Peer) -> bool:
+        """Tell whether what a publisher says is a command: neither a goal nor a state."""
+        return not (self._is_named_goal() or self.stream.done or self._keeps(peer))
 
     def _keeps(self, peer: Peer) -> bool:
         """Tell whether a late subscriber is told the last message: only of what is a state."""

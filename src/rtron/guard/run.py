@@ -20,10 +20,12 @@ from rtron.guard.link.linked import Linked
 from rtron.guard.loop import Loop
 from rtron.guard.measuring.measuring import Measuring, Write
 from rtron.guard.overriding import Overriding
+from rtron.guard.presence import Presence, presence_path
 from rtron.guard.senses import senses_of
 from rtron.guard.shutdowns import Obeying, Refusing
 from rtron.guard.transport.choosing import open_transport
 from rtron.guard.transport.ros1.transport import Ros1Transport
+from rtron.guard.will import Will
 from rtron.vocabulary import Plan, streams
 
 if TYPE_CHECKING:
@@ -64,18 +66,19 @@ def run_guard(
     transport = open_transport(plan.ros, master, loop)
     measuring = Measuring(plan, transport) if figures else None
     senses = measuring.senses if measuring else senses_of(plan)
-    will = tie.will if tie else None
+    presence = Presence(presence_path(control or control_path(plan.app), master))
+    will = _will(tie, presence)
     host = Host(transport, streams(plan), senses, dry_run=dry_run, will=will)
     linked = Linked(plan, host, transport, loop, link) if link else None
     if tie:
-        tie.open(loop, host)
+        _tie(tie, host, transport, loop)
     if measuring and figures:
         measuring.watch(host.guarded)
         measuring.keep(figures)
     door = _door(loop, plan, control, Overriding(host, transport).answer)
+    if door and not dry_run:
+        presence.keep(loop)
     _hear_complaints(host, transport)
-    if tie and not isinstance(transport, Ros1Transport):
-        transport.processes.supervisor = lambda: tie.supervisor
     auditor = _auditor(plan, master, host, transport, loop, dry_run=dry_run)
     run_host(host, transport, loop, auditor, tie, linked)
     if measuring and figures:
@@ -84,6 +87,20 @@ def run_guard(
         door.close()
     loop.close()
     return 0
+
+
+def _will(tie: Tie | None, presence: Presence) -> Will:
+    """Return what the guard before has left, and when it was last there."""
+    will = tie.will if tie else Will()
+    will.left_at = presence.before
+    return will
+
+
+def _tie(tie: Tie, host: Host, transport: AnyTransport, loop: Loop) -> None:
+    """Connect the guard to its supervisor, and let the audit know who that is."""
+    tie.open(loop, host)
+    if not isinstance(transport, Ros1Transport):
+        transport.processes.supervisor = lambda: tie.supervisor
 
 
 def _door(loop: Loop, plan: Plan, control: Path | None, answer: Answer) -> Control | None:

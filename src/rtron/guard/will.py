@@ -25,6 +25,8 @@ class Will:
         self, left: bytes = b"", write: Callable[[bytes], object] = lambda document: None
     ) -> None:
         """`left` is the document of the guard before; `write` keeps one of `MOST_BYTES` bytes."""
+        self.left_at = 0
+        """When the guard before was last there, ns of the wall clock, 0 if that is not known."""
         self._write = write
         self._found = _values(left)
         self._kept = {key: _member(key, value) for key, value in self._found.items()}

@@ -72,9 +72,13 @@ class Ramp:
 
     @classmethod
     def of(cls, velocity: Velocity, stop: Stop, now: int) -> "Ramp":
-        """Return the steepest ramp within the limits of `stop`, but none above `LONGEST`."""
-        lasts = max(velocity.speed / stop.decel, velocity.turn / stop.angular_decel) * SECOND
-        return cls(velocity, now, round(min(lasts, LONGEST)))
+        """Return the steepest ramp within the limits of `stop`, but none above `LONGEST`.
+
+        A turn that would take longer does not count: it ends with the linear part.
+        """
+        slows = min(velocity.speed / stop.decel * SECOND, LONGEST)
+        turns = velocity.turn / stop.angular_decel * SECOND
+        return cls(velocity, now, round(max(slows, turns) if turns <= LONGEST else slows))
 
     def at(self, now: int) -> Velocity:
         """Return what the velocity is at `now`."""

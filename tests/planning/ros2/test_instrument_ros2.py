@@ -3,6 +3,7 @@
 What comes out is read again: there the first rule that matches a name has to be the private one.
 """
 
+import ast
 import sys
 from pathlib import Path
 
@@ -15,8 +16,10 @@ from launched2 import HEAD, launch, rules
 from rtron.errors import InputError
 from rtron.planning.instrument import write_instrumented
 from rtron.planning.instrument.ros2 import instrument_ros2
+from rtron.planning.instrument.ros2.arguments import arguments_text
 from rtron.planning.read import parse_plan
 from rtron.sources.launch2.reader import read_launch2
+from rtron.vocabulary import LaunchChoice
 
 PLAN = """\
 schema: rtron.plan/1
@@ -459,6 +462,20 @@ def test_another_environment_than_that_it_was_made_for_ends_the_launch(guard, mo
     assert "WHERE:=it's instead of WHERE:=nav" in launch(check)["error"]
     monkeypatch.delenv("WHERE")
     assert "no WHERE instead of WHERE:=nav" in launch(check)["error"]
+
+
+def test_what_stands_in_a_value_stays_a_text():
+    odd = {"a": "__ENVIRONMENT__", "b": "__ARGUMENTS__", "c": "'\"\\\n"}
+    environ = {"+exit()+": "__ARGUMENTS__"}
+    choices = [
+        LaunchChoice(name=name, values=(value,), environment=told is environ)
+        for told in (odd, environ)
+        for name, value in told.items()
+    ]
+    tree = ast.parse(arguments_text(tuple(choices)))
+    tables = [ast.literal_eval(each.value) for each in tree.body if isinstance(each, ast.Assign)]
+    expected = [{name: (value,) for name, value in told.items()} for told in (odd, environ)]
+    assert tables == expected
 
 
 def test_a_publisher_that_no_file_starts_is_noted(guard):

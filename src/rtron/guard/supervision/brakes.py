@@ -22,6 +22,7 @@ class Brake:
         self._output: Output = transport.advertise(
             SUPERVISOR_NODE, output_topic(stream.topic), stream.type, queue_size=stream.queue_size
         )
+        self._output.suit(stream.successors)
         self._output.offer(UNAPPROVED, QoS())
         self._codec: VelocityCodec | None = None
         self._learned = 0

@@ -8,11 +8,13 @@ from itertools import count
 from rtron.guard.transport.transport import (
     Connect,
     Lost,
+    Momentary,
     Output,
     Peer,
     Receive,
     TypeInfo,
     ignore,
+    never,
 )
 from rtron.messages.encoding import Encoding
 from rtron.vocabulary import QoS, normalise_type
@@ -74,10 +76,17 @@ class MemoryTransport:
         return self.outputs[topic]
 
     def subscribe(
-        self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        connect: Connect,
+        lost: Lost = ignore,
+        *,
+        momentary: Momentary = never,
     ) -> None:
         """Subscribe `topic`; outside publishers that come later are offered to `connect`."""
-        del node, type
+        del node, type, momentary
         self._connects[topic].append((connect, lost))
 
     def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
@@ -134,6 +143,9 @@ class MemoryOutput:
     def offer(self, flow: str, qos: QoS) -> None:
         """Know what the publisher of a flow offers."""
         self.offered[flow] = qos
+
+    def suit(self, successors: tuple[str, ...]) -> None:
+        """Everybody here hears everything."""
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Hand the message to every listener; keep it for late ones."""

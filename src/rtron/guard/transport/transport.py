@@ -50,6 +50,16 @@ def ignore(peer: Peer) -> None:
     """Do nothing about a lost connection."""
 
 
+Momentary = Callable[[Peer], bool]
+"""Says whether a publisher's messages are for the moment: what is late is not to be heard."""
+
+
+def never(peer: Peer) -> bool:
+    """Hear all messages, however old they are."""
+    del peer
+    return False
+
+
 class Output(Protocol):
     """A topic that a node of the guard publishes."""
 
@@ -59,6 +69,10 @@ class Output(Protocol):
 
     def offer(self, flow: str, qos: QoS) -> None:
         """Offer subscribers at least what the publisher of a flow offers, where there is QoS."""
+        ...
+
+    def suit(self, successors: tuple[str, ...]) -> None:
+        """Offer these nodes all that they ask for, where there is QoS: a stop must reach them."""
         ...
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
@@ -105,9 +119,20 @@ class Transport(Protocol):
         ...
 
     def subscribe(
-        self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        connect: Connect,
+        lost: Lost = ignore,
+        *,
+        momentary: Momentary = never,
     ) -> None:
-        """Subscribe `topic` as `node`; never hears what this transport publishes."""
+        """Subscribe `topic` as `node`; never hears what this transport publishes.
+
+        Where the middleware tells messages' age (ROS 2), what is `momentary` is heard only if it
+        comes in time; what its publisher has kept, always.
+        """
         ...
 
     def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:

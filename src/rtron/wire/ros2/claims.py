@@ -18,7 +18,6 @@ from ctypes import (
     c_int,
     c_uint64,
     c_void_p,
-    py_object,
 )
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -32,7 +31,7 @@ from rtron.messages.whole import whole
 from rtron.wire.ros2.endpoints import GID_SIZE
 from rtron.wire.ros2.interfaces import interface
 from rtron.wire.ros2.serialized import Room
-from rtron.wire.ros2.structures import Profile, function
+from rtron.wire.ros2.structures import Profile, address_in, function
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -142,13 +141,10 @@ def _reading() -> tuple[Any, Callable[[bytes], object]]:
 
 def _type_support(cls: Any) -> int:  # noqa: ANN401 - a generated class
     """Return the pointer that rclpy keeps for a message class."""
-    meta, calls = cls.__class__, ctypes.pythonapi
+    meta = cls.__class__
     if meta._TYPE_SUPPORT is None:  # noqa: SLF001 - so named by rosidl's generator
         meta.__import_type_support__()
-    name = function(calls.PyCapsule_GetName, c_char_p, py_object)
-    pointer = function(calls.PyCapsule_GetPointer, c_void_p, py_object, c_char_p)
-    found: int = pointer(meta._TYPE_SUPPORT, name(meta._TYPE_SUPPORT))  # noqa: SLF001
-    return found
+    return address_in(meta._TYPE_SUPPORT)  # noqa: SLF001
 
 
 def _gid(told: Any) -> bytes:  # noqa: ANN401 - a generated class

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import Structure, c_bool, c_int, c_size_t, c_uint64, c_void_p
+from ctypes import Structure, c_bool, c_char_p, c_int, c_size_t, c_uint64, c_void_p, py_object
 from typing import Any
 
 
@@ -39,6 +39,14 @@ def function(function: Any, result: Any, *arguments: Any) -> Any:  # noqa: ANN40
     """Return a C function that knows its types."""
     function.restype, function.argtypes = result, arguments
     return function
+
+
+def address_in(capsule: object) -> int:
+    """Return the pointer in a capsule of Python, as rosidl's generated classes keep theirs."""
+    name = function(ctypes.pythonapi.PyCapsule_GetName, c_char_p, py_object)
+    pointer = function(ctypes.pythonapi.PyCapsule_GetPointer, c_void_p, py_object, c_char_p)
+    found: int = pointer(capsule, name(capsule))
+    return found
 
 
 def default_allocator() -> Allocator:

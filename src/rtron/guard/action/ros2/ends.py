@@ -69,7 +69,11 @@ class HearsServer(Protocol):
         ...
 
     def server_left(self) -> None:
-        """Learn that the server is not there any more, or not alone."""
+        """Learn that the server is not there any more."""
+        ...
+
+    def server_doubted(self, why: str) -> None:
+        """Learn that not only the server may answer, and why; "" when it is alone again."""
         ...
 
 

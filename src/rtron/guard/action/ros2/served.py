@@ -14,7 +14,7 @@ from rtron.guard.senses import Senses
 from rtron.guard.transport.transport import Peer, Transport
 from rtron.guard.will import Will
 from rtron.messages.ros2_action import ABORTED, OVER, UNKNOWN, feedback_id, read_statuses
-from rtron.policies.goals import Goal, Where
+from rtron.policies.goals import MOST_GOALS, Goal, Where
 from rtron.policies.listing import LOST_AFTER, TERMINAL, compare
 from rtron.vocabulary import SECOND, ActionEnd, Stream
 
@@ -25,7 +25,14 @@ _IN_PROGRESS, _OVER = 1, min(TERMINAL)
 
 
 class ServedRequests(ActionStream, Hears):
-    """Follows what becomes of goals at the server; each is answered once, by it or by the guard."""
+    """Follows what becomes of goals at the server; each is answered once, by it or by the guard.
+
+    While others serve beside it, the server is in doubt: they get what is asked, and answers may be
+    theirs. No goal is sent then, and one that runs is followed by what the server itself tells.
+    Whether it is cancelled says the plan's `audit.on_foreign`, since the audit brakes: by default
+    it is, because an intruder that answers in the place of the server could make a goal that moves
+    the robot look as if it were over. Cancels are always sent: they can only make less move.
+    """
 
     def __init__(
         self,
@@ -38,22 +45,30 @@ class ServedRequests(ActionStream, Hears):
         dry_run: bool = False,
     ) -> None:
         super().__init__(stream, transport, senses, will, dry_run=dry_run)
-        self.server = ""
+        self.server = self.doubt = ""
         self._ways = requests.action_ends(self.stream, self.nodes[0], self)
         self._tasks: dict[bytes, Task] = {}
         self._results = Results()
         self._desk = Desk(self._tasks.values, transport, partial(self._ways.tell, ActionEnd.STATUS))
         self._gatherings = Gatherings()
         self._incarnation = b""
+        self._last_server = ""
+        self._answered_alone: list[bytes] = []
 
     # What becomes of the server
 
     def server_came(self, node: str, incarnation: bytes) -> None:
         """Learn that the server is there; another than before knows none of the goals."""
         known = self._incarnation in (b"", incarnation)
-        self.server, self._incarnation = node, incarnation
-        if not known:
+        self.server = self._last_server = node
+        self._incarnation = incarnation
+        if self._halting:
+            self.halted(node, self._halting)
+        if known:
+            self._cancel_answered()
+        else:
             self._lose()
+        self._answered_alone.clear()
         for task in list(self._tasks.values()):
             if task.accepted:
                 self._ask_result(task)
@@ -73,10 +88,34 @@ class ServedRequests(ActionStream, Hears):
                 self._end(goal, now)
         self._transport.call_at(now + LOST_AFTER, self._answer_unfound)
 
+    def server_doubted(self, why: str) -> None:
+        """Send no goals while somebody else may take them; then go on."""
+        self.doubt = why
+        if self.server and not why:
+            for task in list(self._tasks.values()):
+                if task.accepted:
+                    self._ask_result(task)
+            self._welcome()
+
+    def _free(self) -> None:
+        """Let the next goal go, once it is certain to whom."""
+        if self.doubt and not self.dry_run:
+            self._absent = True
+        else:
+            super()._free()
+
     def _answer_unfound(self) -> None:
         """Answer the goals whose server has not been found again."""
         if not self.server:
+            sent = (goal for goal in self.goals if goal.where is Where.SENT)
+            self._answered_alone += [goal.id for goal in sent]
+            del self._answered_alone[:-MOST_GOALS]
             self._lose()
+
+    def _cancel_answered(self) -> None:
+        """Cancel what was answered while the server was away: it may have gone on with it."""
+        for id in self._answered_alone:
+            self._cancel_at_server(id)
 
     def _lose(self) -> None:
         """Answer the goals that went with their server."""
@@ -92,7 +131,7 @@ class ServedRequests(ActionStream, Hears):
         self.goals.send(goal, self._transport.now())
         self._bequest.keep()
         answered = partial(self._server_answered, task)
-        if self.server or self.dry_run:
+        if self._hears() or self.dry_run:
             self._ways.send_goal(goal.message, answered)  # type: ignore[arg-type]
         else:
             self._transport.call_at(self._transport.now(), partial(answered, None))
@@ -103,6 +142,8 @@ class ServedRequests(ActionStream, Hears):
             if stamp is not None:
                 self._cancel_at_server(task.goal.id)
         elif stamp is None:
+            if self.doubt:
+                self._cancel_at_server(task.goal.id)
             self._finish(task, ABORTED, why="the server has rejected it")
             self._turn_over(task.goal)
         elif not task.accepted:
@@ -134,7 +175,7 @@ class ServedRequests(ActionStream, Hears):
 
     def _result(self, task: Task, status: int, result: object) -> None:
         goal = task.goal
-        if self._tasks.get(goal.id) is not task:
+        if self._tasks.get(goal.id) is not task or not self._believes(goal, status):
             return
         if self.measured:
             self.measured.finished(goal.id, self._transport.now())
@@ -144,11 +185,25 @@ class ServedRequests(ActionStream, Hears):
             self._finish(task, status, result)
         self._turn_over(goal)
 
+    def _believes(self, goal: Goal, status: int) -> bool:
+        """Tell whether a result is the server's: in doubt, if the server itself has told the end.
+
+        What is not believed is asked for once more, when the server has told or is alone again.
+        """
+        told = self._desk.listed.get(goal.id)
+        return not self.doubt or (told is not None and told.status == status)
+
     def _cancel_at_server(self, id: bytes) -> None:
+        """Ask the server to cancel a goal, be it in doubt or out of sight.
+
+        One that it is about to answer is cancelled after that; in doubt at once, too, since that
+        answer may be somebody else's.
+        """
         task = self._tasks.get(id)
-        if task and not task.accepted:
+        is_coming = task is not None and not task.accepted
+        if task and is_coming:
             task.to_cancel = True
-        elif self.server and not self.dry_run:
+        if not self.dry_run and (self.doubt or not is_coming):
             self._ways.cancel(id, 0, partial(self._cancel_told, id))
 
     def _cancel_told(self, id: bytes, cancelled: Cancelled) -> None:
@@ -224,14 +279,25 @@ class ServedRequests(ActionStream, Hears):
         self._gatherings.told(goal.id, goal.stamp, ends=False)
         super()._end(goal, now)
 
+    @property
+    def details(self) -> dict[str, str]:
+        """What there is to tell beside the flows."""
+        doubt = {"server in doubt": self.doubt} if self.doubt else {}
+        return super().details | doubt
+
+    def _why_refused(self, goal: Goal) -> str:
+        in_doubt = self.server and self.doubt and not self.dry_run
+        return self.doubt if in_doubt else super()._why_refused(goal)
+
     def _serving(self) -> str:
-        return self.server
+        """Return the server, also one out of sight: what it is to be kept from, it may go on to."""
+        return self.server or self._last_server
 
     def _hears(self) -> bool:
-        return bool(self.server)
+        return bool(self.server) and not self.doubt
 
     def _serves(self) -> bool:
-        return self._hears()
+        return bool(self.server)
 
     def _said(self, goal: Goal) -> str:
         return f"goal {goal.id.hex()} of {goal.client or 'the server itself'}"

@@ -1,11 +1,13 @@
 """The alarms that follow from what a ROS 2 domain shows, each with the streams that it goes past.
 
 Pure. A stream is gone past where others than the guard rely on what a stranger says; what strangers
-say to the guard alone is refused there, and told.
+say to the guard alone is refused there, and told. Who offers to serve a guarded action goes past
+it: who answers a request, ROS 2 does not say, so goals may be with others than the guard believes.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -19,7 +21,16 @@ from rtron.guard.audit.ros2.foreign import (
 )
 from rtron.guard.audit.ros2.seen import told
 from rtron.guard.audit.shown import shown
-from rtron.vocabulary import SECOND, Alarm, AlarmKind, PlannedTopic
+from rtron.vocabulary import (
+    REQUESTED,
+    SECOND,
+    ActionEnd,
+    Alarm,
+    AlarmKind,
+    PlannedTopic,
+    end_name,
+    output_topic,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,14 +55,19 @@ def strangers(wanted: Wanted, seen: Seen, ours: Participants, lives: Lives, now:
         passes = wanted.leaves_guard(topic) or topic.topic in wanted.outputs
         ends = (e for e in foreign(wanted, seen, topic, ours) if e.node not in wanted.own)
         known = (e for e in ends if e.node or (passes and lives.tells) or _waited(e, lives, now))
-        found += [_stranger(topic, e, passes=passes) for e in islice(known, _MOST_AT_A_TOPIC)]
+        serves = not passes and _is_servers(wanted, topic)
+        said = _rival if serves else partial(_stranger, passes=passes)
+        found += [said(topic, end) for end in islice(known, _MOST_AT_A_TOPIC)]
     return found
 
 
 def doubles(wanted: Wanted, seen: Seen, lives: Lives, now: int) -> list[Case]:
-    """Return the planned nodes whose name several living participants have."""
+    """Return the planned nodes whose name several living participants have.
+
+    Gone past are the actions that more than one of them offers to serve.
+    """
     return [
-        (_double(node, lives.living(participants)), ())
+        (_double(node, lives.living(participants)), _served_twice(wanted, seen, lives, node))
         for node, participants in sorted(seen.participants.items())
         if len(participants) > 1 and wanted.plans(node) and lives.clash(participants, now)
     ]
@@ -111,6 +127,34 @@ def _stranger(topic: PlannedTopic, end: Ros2Endpoint, *, passes: bool) -> Case:
     reason = f"{who} publishes {place(topic)}, {how}"
     alarm = Alarm(kind=kind, reason=reason, topic=place(topic), peer=told(end))
     return alarm, (topic.guarded,) if passes else ()
+
+
+def _rival(topic: PlannedTopic, end: Ros2Endpoint) -> Case:
+    """Return the alarm of a second server: the same, of whichever of its ends."""
+    kind = AlarmKind.FOREIGN_PUBLISHER if end.node else AlarmKind.GHOST
+    peer = shown(end.node) or "a node without a name"
+    reason = (
+        f"{peer} of the participant {end.participant.hex()} offers to serve {topic.guarded}, too"
+    )
+    alarm = Alarm(kind=kind, reason=reason, topic=output_topic(topic.guarded), peer=peer)
+    return alarm, (topic.guarded,)
+
+
+def _is_servers(wanted: Wanted, topic: PlannedTopic) -> bool:
+    """Tell whether who speaks on a topic is an action's server: it answers, or tells the status."""
+    action = output_topic(topic.guarded)
+    spoken = {end_name(action, end) for end in (*REQUESTED, ActionEnd.STATUS)}
+    return topic.guarded in wanted.actions and place(topic) in spoken
+
+
+def _served_twice(wanted: Wanted, seen: Seen, lives: Lives, node: str) -> tuple[str, ...]:
+    """Return the actions whose status several living participants tell under one name."""
+    found = []
+    for action in sorted(wanted.actions):
+        ends = seen.publishers(end_name(output_topic(action), ActionEnd.STATUS))
+        servers = {end.participant for end in ends if end.node == node}
+        found += [action] if len(lives.living(servers)) > 1 else []
+    return tuple(found)
 
 
 def _double(node: str, participants: Participants) -> Alarm:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, Any
 
 from rtron.guard.audit.ros2.seen import Seen
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from rtron.wire.ros2.endpoints import Ros2Endpoint
+
+log = logging.getLogger(__name__)
 
 _MOST_NODES = 2000
 
@@ -55,7 +58,8 @@ class Reader:
             space, _, name = node.rpartition("/")
             try:
                 found = self._node.get_service_names_and_types_by_node(name, space or "/")
-            except Exception:  # noqa: BLE001, S112 - it has just left; rclpy's kinds differ
+            except Exception as error:  # noqa: BLE001 - it has just left; rclpy's kinds differ
+                log.debug("the services of %s are not told: %s", node, error)
                 continue
             for service, types in found:
                 yield from (Service(node=node, name=service, type=type) for type in types)

@@ -59,6 +59,9 @@ class Publication:
     def offer(self, flow: str, qos: QoS) -> None:
         """Do nothing: ROS 1 has no QoS but latching, which `publish` is told."""
 
+    def suit(self, successors: tuple[str, ...]) -> None:
+        """ROS 1 has no QoS."""
+
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
         if latched_by is not None:

@@ -14,7 +14,15 @@ from rtron.guard.transport.ros1.publisher_link import start
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.guard.transport.ros1.subscription import Subscription
 from rtron.guard.transport.ros1.tcp_server import TcpServer
-from rtron.guard.transport.transport import Connect, Lost, Output, TypeInfo, ignore
+from rtron.guard.transport.transport import (
+    Connect,
+    Lost,
+    Momentary,
+    Output,
+    TypeInfo,
+    ignore,
+    never,
+)
 from rtron.messages.encoding import Encoding
 from rtron.wire.address import bind_host, own_host
 
@@ -68,9 +76,17 @@ class Ros1Transport:
         return publication
 
     def subscribe(
-        self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        connect: Connect,
+        lost: Lost = ignore,
+        *,
+        momentary: Momentary = never,
     ) -> None:
-        """Subscribe `topic` as `node`; see `Transport`."""
+        """Subscribe `topic` as `node`; see `Transport`. ROS 1 tells no message's age."""
+        del momentary
         wish = Wish(node, topic, type, self._master)
         link = start(self._loop, self._own_workers(topic), wish, connect, lost)
         self._subscribe(node, Subscription(topic, type, link))

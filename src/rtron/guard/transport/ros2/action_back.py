@@ -12,6 +12,7 @@ from rclpy.serialization import deserialize_message
 
 from rtron.errors import WireError
 from rtron.guard.action.ros2.ends import Cancelled
+from rtron.guard.audit.shown import shown
 from rtron.guard.seldom import Seldom
 from rtron.guard.transport.ros2.action_front import READ_AHEAD, Around, goal_info, services_qos
 from rtron.guard.transport.ros2.bell import Bell
@@ -36,8 +37,9 @@ _LISTEN = {
 class Back:
     """Asks the server, and tells `hears` what it says and whether it is there.
 
-    It is there while all of its services answer and one planned node alone tells the status: who
-    answers a request, ROS 2 does not say.
+    It comes when all of its services answer and one planned node, whose name is its own, tells the
+    status; it stays for as long as that one's endpoint is there, whoever comes beside it. Who
+    answers a request, ROS 2 does not say: while others offer to serve, the server is in doubt.
     """
 
     def __init__(
@@ -52,6 +54,7 @@ class Back:
         self._subscriptions: list[Any] = []
         self._open_requests: dict[tuple[ActionEnd, int], Callable[[Any], None]] = {}
         self._server: Ros2Endpoint | None = None
+        self._doubt = self._said = ""
         self._early: tuple[bytes, bytes] = (b"", b"")
         self._seldom = Seldom()
 
@@ -160,39 +163,69 @@ class Back:
                 self._early = (gid[:PARTICIPANT], message)
 
     def _look(self) -> None:
-        """Look who serves the action now."""
-        server = self._found()
+        """Look who serves the action now; a doubt is told before goals can go to who comes."""
+        listed = self._listed()
+        server = self._found(listed)
         if self._server and (server is None or server.gid != self._server.gid):
             self._server = None
             self._open_requests.clear()
             self._hears.server_left()
+        doubt = self._why_doubted(listed)
+        self._say_once(doubt)
+        if doubt != self._doubt:
+            self._doubt = doubt
+            self._hears.server_doubted(doubt)
         if server and self._server is None:
-            self._server = server
-            self._hears.server_came(server.node, server.gid)
-            participant, message = self._early
-            if participant == server.participant:
-                self._hears.server_told(ActionEnd.STATUS, message)
+            self._come(server)
 
-    def _found(self) -> Ros2Endpoint | None:
-        """Return the one server that the plan names, where nobody else who lives serves."""
+    def _come(self, server: Ros2Endpoint) -> None:
+        """Follow a server from now on."""
+        self._server = server
+        self._open_requests.clear()
+        self._hears.server_came(server.node, server.gid)
+        participant, message = self._early
+        if participant == server.participant:
+            self._hears.server_told(ActionEnd.STATUS, message)
+
+    def _listed(self) -> list[Ros2Endpoint]:
+        """Return everybody who lives and offers to serve."""
         shared = self._around.shared
         ends = shared.graph.ends(end_name(self._action, ActionEnd.STATUS)).publishers
-        listed = [each for each in ends if shared.lives.of(each.participant) is not Life.GONE]
-        if len(listed) > 1:
-            self._complain(f"{len(listed)} nodes serve it: none is asked")
-        if len(listed) != 1 or not all(c.service_is_ready() for c in self._clients.values()):
+        return [each for each in ends if shared.lives.of(each.participant) is not Life.GONE]
+
+    def _found(self, listed: list[Ros2Endpoint]) -> Ros2Endpoint | None:
+        """Return the server in force while it is there, else the one that is in the right."""
+        if not all(client.service_is_ready() for client in self._clients.values()):
             return None
-        (server,) = listed
-        planned = any(names_node(name, server.node) for name in self._servers)
-        owned = shared.owners.has(server.node, server.participant)
-        if server.node and not (planned and owned):
-            self._complain(f"{server.node} is not the planned server")
-        return server if planned and owned else None
+        if self._server:
+            stays = next((each for each in listed if each.gid == self._server.gid), None)
+            if stays:
+                return stays
+        right = [each for each in listed if self._is_right(each)]
+        return right[0] if len(right) == 1 else None
+
+    def _is_right(self, end: Ros2Endpoint) -> bool:
+        """Tell whether the plan means this one, and its name is its own."""
+        planned = any(names_node(name, end.node) for name in self._servers)
+        return planned and self._around.shared.owners.has(end.node, end.participant)
+
+    def _why_doubted(self, listed: list[Ros2Endpoint]) -> str:
+        """Return why somebody else than the server may answer, "" if nobody may."""
+        if len(listed) > 1:
+            return f"{len(listed)} nodes serve it: none is sent a goal"
+        wrong = next((each for each in listed if each.node and not self._is_right(each)), None)
+        return f"{shown(wrong.node)} is not the planned server" if wrong else ""
 
     def _ring(self, kind: str, handle: Any, take: Callable[[int], None]) -> None:  # noqa: ANN401
         bell = Bell(self._around.shared.loop, take)
         self._bells.append(bell)
         self._around.shared.rcl.notify(kind, handle, bell.fd)
+
+    def _say_once(self, why: str) -> None:
+        """Say what is wrong with who serves when that changes, and not too often."""
+        if why != self._said and self._seldom.may_say("server", self._around.shared.loop.now()):
+            self._said = why
+            log.warning("%s: %s", self._action, why or "no other node serves it any more")
 
     def _complain(self, why: str) -> None:
         if self._seldom.may_say("complaint", self._around.shared.loop.now()):

@@ -100,6 +100,10 @@ class ActionEnds:
         """Tell what the server says."""
         self._hears.server_told(end, message)
 
+    def server_doubted(self, why: str) -> None:
+        """Tell."""
+        self._hears.server_doubted(why)
+
     def server_left(self) -> None:
         """Tell, and offer the action no more after a while."""
         self._is_there, self._left = False, self._left + 1

@@ -40,10 +40,16 @@ class Bell:
         self._loop.forget(self)
 
     def _rung(self) -> None:
+        """Have what is there taken; after a failure once more as often, so that nothing stays."""
         count = os.eventfd_read(self.fd)
         if count > _MOST:
             os.eventfd_write(self.fd, count - _MOST)
-        self._take(min(count, _MOST))
+        try:
+            self._take(min(count, _MOST))
+        except Exception:
+            if count > 1 and self.fd >= 0:
+                os.eventfd_write(self.fd, min(count, _MOST) - 1)
+            raise
 
     def _failed(self, error: Exception) -> None:
         log.error("news of ROS 2 could not be dealt with: %s", error)

@@ -33,7 +33,7 @@ from rtron.vocabulary import (
     QoS,
     Reliability,
 )
-from rtron.wire.ros2.endpoints import GID_SIZE, Ros2Endpoint, node_name, publishers_of
+from rtron.wire.ros2.endpoints import GID_SIZE, PARTICIPANT, Ros2Endpoint, node_name, publishers_of
 from rtron.wire.ros2.interfaces import interface
 from rtron.wire.ros2.structures import Profile, Time, default_allocator, function
 
@@ -93,7 +93,11 @@ class Listing:
             self._check()
 
     def ends(
-        self, topic: str, direction: Direction, known: Sequence[Ros2Endpoint], but: bytes = b"\xff"
+        self,
+        topic: str,
+        direction: Direction,
+        known: Sequence[Ros2Endpoint],
+        but: bytes | None = None,
     ) -> tuple[Ros2Endpoint, ...]:
         """Return who publishes or subscribes a topic, at most 256, by their GIDs.
 
@@ -105,7 +109,7 @@ class Listing:
         if code := ask(node, allocator, topic.encode(), self._raw, addressof(infos)):
             raise WireError(f"rcl cannot tell who is on {topic}: error {code}")
         try:
-            found = {gid: at for at, gid in enumerate(_gids(infos)) if not gid.startswith(but)}
+            found = {gid: at for at, gid in enumerate(_gids(infos)) if gid[:PARTICIPANT] != but}
             chosen = to_know(found, {each.gid for each in known})
             return tuple(
                 _endpoint(topic, direction, gid, infos.found[found[gid]]) for gid in chosen

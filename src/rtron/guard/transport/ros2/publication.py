@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from rtron.guard.transport.ros2.surroundings import Surroundings
     from rtron.guard.transport.transport import TypeInfo
+    from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 log = logging.getLogger(__name__)
 
@@ -58,6 +59,8 @@ class Publication:
         self._rcl = shared.rcl
         self._depth = queue_size
         self._successors = successors
+        self._suited: tuple[str, ...] = ()
+        self._owners = shared.owners
         self._offered: dict[str, QoS] = {}
         self._qos = QoS()
         self._writer: Writer | None = None
@@ -89,8 +92,9 @@ class Publication:
             self._report(wanted)
             self._make(wanted)
 
-    def suit_listeners(self) -> None:
-        """Offer from now on what all who listen ask for: a stop must reach every one of them."""
+    def suit(self, successors: tuple[str, ...]) -> None:
+        """Offer from now on what these ask for; see `Output`."""
+        self._suited = successors
         self._graph.changed.append(self._suit)
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
@@ -122,14 +126,19 @@ class Publication:
             self._writer = None
 
     def _suit(self) -> None:
-        asked = [each.qos for each in self._graph.ends(self.topic).subscribers]
+        listening = self._named(self._suited)
+        asked = [end.qos for end in listening if self._owners.has(end.node, end.participant)]
         if asked:
             self.offer("listeners", strongest(asked))
 
+    def _named(self, nodes: tuple[str, ...]) -> list[Ros2Endpoint]:
+        """Return the subscribers that have one of these names."""
+        listening = self._graph.ends(self.topic).subscribers
+        return [end for end in listening if any(names_node(each, end.node) for each in nodes)]
+
     def _asked_for(self) -> set[str]:
         """Return the types that successors ask for."""
-        listening = self._graph.ends(self.topic).subscribers
-        return {normalise_type(each.type) for each in listening if each.node in self._successors}
+        return {normalise_type(each.type) for each in self._named(self._successors)}
 
     def _make(self, qos: QoS) -> Writer:
         """Make the writers, and let them know what late subscribers are to get."""
@@ -193,6 +202,4 @@ class Publication:
 
     def _is_met(self, writer: Writer) -> bool:
         """Tell whether a successor listens, and is matched: whose reader is, DDS does not tell."""
-        listening = self._graph.ends(self.topic).subscribers
-        there = any(names_node(each, end.node) for each in self._successors for end in listening)
-        return there and writer.count() > self.own_readers
+        return bool(self._named(self._successors)) and writer.count() > self.own_readers

@@ -9,7 +9,7 @@ message, which rclpy tells only since Kilted.
 from __future__ import annotations
 
 import ctypes
-from ctypes import addressof, c_int, c_uint8, c_uint64, c_void_p
+from ctypes import addressof, c_int, c_int64, c_uint8, c_uint64, c_void_p
 from typing import Any
 
 from rtron.errors import WireError
@@ -46,6 +46,7 @@ class Rcl:
         self._info = (c_uint8 * _INFO_SIZE)()
         self._in_at, self._out_at = self._in.at, addressof(self._out)
         self._info_at = addressof(self._info)
+        self._said = c_int64.from_address(self._info_at)
         self._number = c_uint64.from_address(self._info_at + _NUMBER_AT)
         self._gid = memoryview(self._info).cast("B")[_GID_AT : _GID_AT + GID_SIZE]
 
@@ -64,6 +65,12 @@ class Rcl:
         if code:
             self._check(code, "take a message")
         return self._in.taken(), self._gid.tobytes()
+
+    @property
+    def said(self) -> int:
+        """When what was taken last was said, ns of its publisher's wall clock; 0 if unknown."""
+        found: int = self._said.value
+        return found
 
     @property
     def number(self) -> int | None:

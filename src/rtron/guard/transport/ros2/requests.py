@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from weakref import finalize
 
 from rtron.errors import WireError
+from rtron.wire.ros2.structures import address_in, function
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 _OK, _LATE = 0, 2
 _NOTHING = frozenset({401, 501, 601})
 _GUID = 16
+_POINTERS = c_void_p, c_void_p, c_void_p
 PLACE_SIZE = _GUID + 8
 """The size of the place of a request: the writer's GUID, and the number of its request."""
 
@@ -45,11 +47,11 @@ class _Shape:
         meta = type(cls)
         if meta._TYPE_SUPPORT is None:  # noqa: SLF001 - as rclpy does
             meta.__import_type_support__()
-        self.create = ctypes.CFUNCTYPE(c_void_p)(_address(meta._CREATE_ROS_MESSAGE))  # noqa: SLF001
-        self.destroy = ctypes.CFUNCTYPE(None, c_void_p)(_address(meta._DESTROY_ROS_MESSAGE))  # noqa: SLF001
+        self.create = ctypes.CFUNCTYPE(c_void_p)(address_in(meta._CREATE_ROS_MESSAGE))  # noqa: SLF001
+        self.destroy = ctypes.CFUNCTYPE(None, c_void_p)(address_in(meta._DESTROY_ROS_MESSAGE))  # noqa: SLF001
         fill = ctypes.PYFUNCTYPE(c_bool, py_object, c_void_p)
-        self.fill = fill(_address(meta._CONVERT_FROM_PY))  # noqa: SLF001
-        self.read = ctypes.PYFUNCTYPE(py_object, c_void_p)(_address(meta._CONVERT_TO_PY))  # noqa: SLF001
+        self.fill = fill(address_in(meta._CONVERT_FROM_PY))  # noqa: SLF001
+        self.read = ctypes.PYFUNCTYPE(py_object, c_void_p)(address_in(meta._CONVERT_TO_PY))  # noqa: SLF001
 
     @contextmanager
     def made(self) -> Iterator[int]:
@@ -83,12 +85,11 @@ class Requests:
 
     def __init__(self) -> None:
         rcl, utils = ctypes.CDLL("librcl.so"), ctypes.CDLL("librcutils.so")
-        self._take_request = _function(rcl.rcl_take_request_with_info)
-        self._send_response = _function(rcl.rcl_send_response)
-        self._take_response = _function(rcl.rcl_take_response_with_info)
-        self._send_request = _function(rcl.rcl_send_request)
-        self._reset = utils.rcutils_reset_error
-        self._reset.restype, self._reset.argtypes = None, ()
+        self._take_request = function(rcl.rcl_take_request_with_info, c_int, *_POINTERS)
+        self._send_response = function(rcl.rcl_send_response, c_int, *_POINTERS)
+        self._take_response = function(rcl.rcl_take_response_with_info, c_int, *_POINTERS)
+        self._send_request = function(rcl.rcl_send_request, c_int, *_POINTERS)
+        self._reset = function(utils.rcutils_reset_error, None)
 
     def take_request(self, service: Any, cls: type) -> tuple[bytes, Letter] | None:  # noqa: ANN401
         """Return the place of the next request and the request, unopened; None if there is none.
@@ -147,19 +148,3 @@ class Requests:
 @lru_cache(maxsize=256)
 def _shape(cls: Any) -> _Shape:  # noqa: ANN401 - a generated class
     return _Shape(cls)
-
-
-def _address(capsule: object) -> int:
-    """Return what a capsule of a generated class holds."""
-    python = ctypes.pythonapi
-    python.PyCapsule_GetName.restype = ctypes.c_char_p
-    python.PyCapsule_GetName.argtypes = (py_object,)
-    python.PyCapsule_GetPointer.restype = c_void_p
-    python.PyCapsule_GetPointer.argtypes = (py_object, ctypes.c_char_p)
-    address: int = python.PyCapsule_GetPointer(capsule, python.PyCapsule_GetName(capsule))
-    return address
-
-
-def _function(function: Any) -> Any:  # noqa: ANN401 - ctypes
-    function.restype, function.argtypes = c_int, (c_void_p, c_void_p, c_void_p)
-    return function

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING
 from rtron.errors import SourceError, WireError
 from rtron.guard.seldom import Seldom
 from rtron.guard.transport.ros2.reader import Reader
-from rtron.guard.transport.transport import Peer, TypeInfo
+from rtron.guard.transport.transport import Peer, TypeInfo, never
 from rtron.messages.definition_text import parse_definition
 from rtron.messages.whole import whole
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, normalise_type
+from rtron.wire.ros2.endpoints import PARTICIPANT
 from rtron.wire.ros2.interfaces import Interface, interface
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from rtron.guard.transport.ros2.surroundings import Surroundings
-    from rtron.guard.transport.transport import Connect, Lost, Receive
+    from rtron.guard.transport.transport import Connect, Lost, Momentary, Receive
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 log = logging.getLogger(__name__)
@@ -36,7 +37,8 @@ log = logging.getLogger(__name__)
 _AWAIT_NAME = 5 * SECOND
 _REFUSED_FOR = 5 * SECOND
 _FRESH = SECOND // 2
-_MOST_UNNAMED = 64
+_MOST_UNNAMED = 256
+_MOST_OF_ONE = 32
 _MOST_READERS = 8
 _MOST_NAMES = 64
 _MOST_TYPES = 512
@@ -73,13 +75,16 @@ class Subscription:
         connect: Connect,
         lost: Lost,
         shared: Surroundings,
+        *,
+        momentary: Momentary = never,
     ) -> None:
-        """Hear publishers of one type, "" for any."""
+        """Hear publishers of one type, "" for any; what is `momentary`, only in time."""
         self.topic = topic
         self._type = normalise_type(type)
         self._node = node
         self._connect = connect
         self._lost = lost
+        self._momentary = momentary
         self._shared = shared
         self._senders: dict[bytes, _Sender] = {}
         self._readers: dict[_Kind, Reader] = {}
@@ -154,6 +159,7 @@ class Subscription:
         return found, ""
 
     def _reader(self, found: Interface, qos: QoS, peer: Peer) -> Reader | None:
+        momentary = self._momentary(peer)
         kind = (found.cls, qos.reliability, qos.durability)
         if kind not in self._readers:
             if len(self._readers) == _MOST_READERS:
@@ -162,9 +168,14 @@ class Subscription:
             if self._readers:
                 told = "%s: its publishers differ in QoS or type; %s is read apart, as %s, %s"
                 log.warning(told, self.topic, peer.node, qos.reliability, qos.durability)
-            shared = self._shared
             self._readers[kind] = Reader(
-                self._node, found.cls, self.topic, qos, shared.rcl, shared.loop, self._heard
+                self._node,
+                found.cls,
+                self.topic,
+                qos,
+                self._shared,
+                self._heard,
+                momentary=momentary,
             )
         return self._readers[kind]
 
@@ -184,8 +195,9 @@ class Subscription:
         """Let a message wait until the graph names its publisher; our own words are nobody's."""
         if self._shared.graph.is_own(gid):
             return
+        own = sum(each[2][:PARTICIPANT] == gid[:PARTICIPANT] for each in self._unnamed)
         waiting = sum(len(each[-1]) for each in self._unnamed)
-        if waiting + len(message) <= _MOST_WAITING:
+        if own < _MOST_OF_ONE and waiting + len(message) <= _MOST_WAITING:
             self._unnamed.append((self._shared.loop.now(), reader, gid, message))
         self._shared.graph.look(self.topic)
 

@@ -16,9 +16,9 @@ from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl
 from rtron.guard.transport.ros2.subscription import Subscription
 from rtron.guard.transport.ros2.surroundings import Surroundings
-from rtron.guard.transport.transport import Connect, Lost, Output, ignore
+from rtron.guard.transport.transport import Connect, Lost, Momentary, Output, ignore, never
 from rtron.messages.encoding import Encoding
-from rtron.vocabulary import SECOND, SUPERVISOR_NODE
+from rtron.vocabulary import SECOND
 from rtron.wire.ros2.interfaces import interface
 
 if TYPE_CHECKING:
@@ -72,11 +72,19 @@ class Ros2Transport:
         return self._publication(node, topic, type, queue_size, successors)
 
     def subscribe(
-        self, node: str, topic: str, type: str, connect: Connect, lost: Lost = ignore
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        connect: Connect,
+        lost: Lost = ignore,
+        *,
+        momentary: Momentary = never,
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         own = self.session.node(node)
-        self._subscriptions.append(Subscription(own, topic, type, connect, lost, self._shared))
+        made = Subscription(own, topic, type, connect, lost, self._shared, momentary=momentary)
+        self._subscriptions.append(made)
 
     def action_ends(self, stream: Stream, node: str, hears: Hears) -> ActionEnds:
         """Return the services and topics of an action; see `CarriesRequests`."""
@@ -124,8 +132,6 @@ class Ros2Transport:
             queue_size=queue_size,
             successors=successors,
         )
-        if node == SUPERVISOR_NODE:
-            publication.suit_listeners()
         self._publications.append(publication)
         return publication
 
