@@ -1,5 +1,6 @@
 """An action whose turns are shared with goals that come without an id (`followed.py`)."""
 
+from abc import abstractmethod
 from collections.abc import Callable
 
 from rtron.guard.guarded import GuardedStream
@@ -60,13 +61,13 @@ class SharingAction(GuardedStream):
             self._stop(goal, why)
             self._halt()
 
+    @abstractmethod
     def _stop(self, goal: Goal, why: str) -> None:
         """Cancel a goal, if there is a reason."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _serving(self) -> str:
         """Return the node that serves the action, "" while none does."""
-        raise NotImplementedError
 
     def _halt(self) -> None:
         """Keep the server from moving the robot while it has a goal that was stopped."""

@@ -1,6 +1,7 @@
 """What the guard of an action does in either ROS: goals come and go, and are stopped if need be."""
 
 import logging
+from abc import abstractmethod
 from collections.abc import Sequence
 
 from rtron.guard.action.bequest import Bequest
@@ -58,25 +59,25 @@ class ActionStream(SharingAction):
 
     # What each ROS does its own way
 
+    @abstractmethod
     def _hears(self) -> bool:
         """Tell whether the server is there, and hears us."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _serves(self) -> bool:
         """Tell whether clients may know that the server is there: they will get their answers."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _cancel_at_server(self, id: bytes) -> None:
         """Ask the server to cancel a goal."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _gave_up(self, message: bytes, verdict: Verdict) -> None:
         """Answer a goal that was held and will not go."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _said(self, goal: Goal) -> str:
         """Return what to call a goal."""
-        raise NotImplementedError
 
     # Goals that come and go
 
