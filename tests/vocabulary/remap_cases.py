@@ -1,0 +1,26 @@
+"""Remap rules and what rcl makes of a name under them: `(rules, node, name, resolved)`."""
+
+CASES = [
+    ((), "/arm/driver", "out", "/arm/out"),
+    ((), "/arm/driver", "/out", "/out"),
+    ((), "/arm/driver", "~/out", "/arm/driver/out"),
+    ((), "/driver", "out", "/out"),
+    ((), "/driver", "~/out", "/driver/out"),
+    ((), "/arm/driver", "{node}/out", "/arm/driver/out"),
+    ((), "/arm/driver", "/x/{node}", "/x/driver"),
+    ((), "/arm/driver", "{namespace}/out", "/arm/out"),
+    ((), "/arm/driver", "{ns}/out", "/arm/out"),
+    ((("out", "there"),), "/arm/driver", "out", "/arm/there"),
+    ((("out", "there"),), "/arm/driver", "/arm/out", "/arm/there"),
+    ((("out", "there"),), "/arm/driver", "/out", "/out"),
+    ((("/arm/out", "/there"),), "/arm/driver", "out", "/there"),
+    ((("~/out", "/there"),), "/arm/driver", "~/out", "/there"),
+    ((("out", "~/there"),), "/arm/driver", "out", "/arm/driver/there"),
+    ((("out", "a"), ("out", "b")), "/arm/driver", "out", "/arm/a"),
+    ((("out", "a"), ("a", "b")), "/arm/driver", "out", "/arm/a"),
+    ((("driver:out", "there"),), "/arm/driver", "out", "/arm/there"),
+    ((("other:out", "there"),), "/arm/driver", "out", "/arm/out"),
+    ((("other:out", "a"), ("out", "b")), "/arm/driver", "out", "/arm/b"),
+    ((("rostopic://out", "there"),), "/arm/driver", "out", "/arm/there"),
+    ((("driver:rostopic://out", "there"),), "/arm/driver", "out", "/arm/there"),
+]
