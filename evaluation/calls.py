@@ -12,7 +12,6 @@ from evaluation.call_sites import call_sites, unreached
 from evaluation.launches import GUESS, guessed_environ
 from evaluation.part import Tell
 from evaluation.place import Place
-from evaluation.programs import programs
 from evaluation.rosdiscover import AUTOWARE_CALLS_UNKNOWN, AUTOWARE_NODES_TOUCHED
 from figures.figure import Figure
 from rtron.errors import InputError
@@ -22,6 +21,7 @@ from rtron.sources.static.app import scan_app
 from rtron.sources.static.cache import open_cache
 from rtron.sources.static.options import ScanOptions
 from rtron.sources.static.pool import Pool
+from rtron.sources.static.programs import programs
 from rtron.sources.static.structure import workspace_state
 from rtron.sources.static.task import Task, TaskResult
 from rtron.sources.workspace import Workspace, read_workspace
@@ -99,7 +99,7 @@ def _results(
 ) -> Iterator[tuple[Task, TaskResult]]:
     cache = open_cache(options.cache, workspace_state(workspace))
     missing: list[Task] = []
-    for task in programs(workspace, folder):
+    for _, task in programs(workspace, folder):
         known = cache.get(task)
         if known is None:
             missing.append(task)

@@ -35,11 +35,18 @@ class Place:
 
     def truth(self, name: str) -> Path:
         """Return a file of the ground truth; raise AbsentError if it is not here."""
+        return self._file("groundtruth", name)
+
+    def corpus(self, name: str) -> Path:
+        """Return a file of the corpus of repositories; raise AbsentError if it is not here."""
+        return self._file("corpus", name)
+
+    def _file(self, folder: str, name: str) -> Path:
         if self.data is None:
-            raise AbsentError("RTRON_DATA names no folder that holds groundtruth/")
-        path = self.data / "groundtruth" / name
+            raise AbsentError(f"RTRON_DATA names no folder that holds {folder}/")
+        path = self.data / folder / name
         if not path.is_file():
-            raise AbsentError(f"RTRON_DATA lacks groundtruth/{name}")
+            raise AbsentError(f"RTRON_DATA lacks {folder}/{name}")
         return path
 
     def _apps(self) -> Path:

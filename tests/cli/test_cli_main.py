@@ -76,7 +76,7 @@ def test_the_version(rtron):
 def test_help_names_every_command_and_shows_an_example_of_each(rtron):
     text = rtron("--help").out
     for command in COMMANDS:
-        name = command.__name__
+        name = command.__name__.replace("_", "-")
         assert name in text
         page = rtron(name, "-h")
         assert page.code == 0
@@ -93,7 +93,8 @@ def test_examples_in_help_are_commands_that_exist(rtron):
         for word in row.split("|")[0].split(">")[0].split()
         if word.startswith("--")
     }
-    pages = "".join(rtron(command.__name__, "--help").out for command in COMMANDS)
+    names = (command.__name__.replace("_", "-") for command in COMMANDS)
+    pages = "".join(rtron(name, "--help").out for name in names)
     assert {option for option in options if option not in pages} == set()
 
 

@@ -22,6 +22,7 @@ from rtron.vocabulary import (
     Severity,
     Sharing,
     Topic,
+    Trust,
 )
 
 
@@ -260,12 +261,18 @@ class TestEvent:
         assert risk.id == "MSR-event:/detect/sign"
         assert risk.role_nodes == {Role.EVENT: ("/a",)}
 
-    def test_preprocessing_is_left_out_where_it_is_known(self):
-        first = Node(name="/a", function=FunctionType.PREPROCESSING)
+    def test_own_preprocessing_is_left_out_where_it_is_known(self):
+        first = Node(name="/a", function=FunctionType.PREPROCESSING, trust=Trust.OWN)
         both = (first, Node(name="/b", function=FunctionType.LOCALIZATION))
         text = "/a a own\n pub /odom nav_msgs/Odometry\n/b b own\n pub /odom nav_msgs/Odometry\n"
         assert found(text, "msr_event", nodes=both)[0].role_nodes == {Role.EVENT: ("/b",)}
         assert not found(topic_pair("/odom", "nav_msgs/Odometry"), "msr_event", nodes=(first,))
+
+    @pytest.mark.parametrize("trust", [Trust.UNKNOWN, Trust.THIRD_PARTY])
+    def test_what_somebody_else_calls_preprocessing_is_not(self, trust):
+        node = Node(name="/a", function=FunctionType.PREPROCESSING, trust=trust)
+        [risk] = found(topic_pair("/odom", "nav_msgs/Odometry"), "msr_event", nodes=(node,))
+        assert risk.role_nodes == {Role.EVENT: ("/a",)}
 
 
 class TestAction:

@@ -1,11 +1,12 @@
 """Which app a command is about: a graph, a bag, running, or source with launch files."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from shlex import quote
 
 from rtron.cli.assignments import ASSIGNED
+from rtron.cli.node_functions import WithFunctions
 from rtron.cli.running import RunningApp
 from rtron.cli.static_app import StaticChoice, StaticSource, static_source
 from rtron.errors import InputError
@@ -65,7 +66,15 @@ class Chosen:
 
 
 def chosen_app(chosen: Chosen) -> App:
-    """Return the app that is chosen; raise InputError if it is none or more than one."""
+    """Return the app that is chosen, its nodes with their functions.
+
+    Raise InputError if none is chosen, or more than one.
+    """
+    app = _chosen_app(chosen)
+    return replace(app, source=WithFunctions(app.source))
+
+
+def _chosen_app(chosen: Chosen) -> App:
     paths = chosen.paths
     if paths and chosen.running:
         help = "leave one of the two out"

@@ -8,8 +8,11 @@ import typer
 
 from rtron import __version__
 from rtron.cli.check import check
+from rtron.cli.classify import classify
 from rtron.cli.events import events
 from rtron.cli.explain import explain
+from rtron.cli.explain_class import explain_class
+from rtron.cli.functions import functions
 from rtron.cli.guard import guard
 from rtron.cli.instrument import instrument
 from rtron.cli.master import master
@@ -43,6 +46,8 @@ COMMANDS = (
     events,
     upload,
     explain,
+    classify,
+    explain_class,
     mission,
     schema,
 )
@@ -60,6 +65,7 @@ app.add_typer(settings)
 app.add_typer(token)
 app.add_typer(user)
 app.add_typer(model)
+app.add_typer(functions)
 
 
 def main() -> None:

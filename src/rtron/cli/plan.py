@@ -114,9 +114,11 @@ def plan(  # noqa: PLR0913 - one for each option
         replace_file(output, write_plan(proposed))
     left = remarks_of(left_out(found, report))
     if output is None:
-        return Outcome(plan_text(proposed, f"rtron plan {app.arguments} -o rtron.yaml", left))
+        next_step = f"rtron plan {app.arguments} -o rtron.yaml"
+        return Outcome(plan_text(proposed, next_step, left, found.nodes))
     app_launch = next(iter((*app.launches, *(launch or ()))), None)
-    return Outcome(plan_text(proposed, _next_step(app_launch, output, proposed.ros), left))
+    next_step = _next_step(app_launch, output, proposed.ros)
+    return Outcome(plan_text(proposed, next_step, left, found.nodes))
 
 
 def _next_step(app_launch: str | None, written: Path, ros: int) -> str:

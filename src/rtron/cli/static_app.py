@@ -5,12 +5,16 @@ import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtron.cli.assignments import ASSIGNED, assignments
 from rtron.cli.progress import shown_progress
 from rtron.errors import InputError
 from rtron.sources.static.options import ScanOptions
 from rtron.vocabulary import InteractionGraph
+
+if TYPE_CHECKING:
+    from rtron.sources.workspace import Workspace
 
 _TAKEN = "ROS_PACKAGE_PATH"
 
@@ -33,6 +37,7 @@ class StaticSource:
     launches: tuple[tuple[Path, Mapping[str, str]], ...]
     environ: Mapping[str, str]
     options: ScanOptions
+    workspace: "Workspace"
 
     def read(self) -> InteractionGraph:
         """Return the graph, with a progress bar where somebody sees it."""
@@ -41,6 +46,11 @@ class StaticSource:
         with shown_progress() as progress:
             options = replace(self.options, progress=progress)
             return scan_app(self.folders, self.launches, self.environ, options).graph
+
+    def descriptions(self, graph: InteractionGraph) -> Mapping[str, str]:
+        """Return what the manifests of the packages say whose nodes are in a graph."""
+        used = {node.package for node in graph.nodes} & self.workspace.packages.keys()
+        return {package: self.workspace.manifest(package).description for package in used}
 
 
 def static_source(
@@ -64,7 +74,7 @@ def static_source(
     options = ScanOptions(cache=user_cache() if choice.use_cache else None)
     if choice.jobs:
         options = replace(options, workers=choice.jobs)
-    return StaticSource(tuple(folders), tuple(launches), environ, options)
+    return StaticSource(tuple(folders), tuple(launches), environ, options, workspace)
 
 
 def _environ(given: Sequence[str]) -> dict[str, str]:

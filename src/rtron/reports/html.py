@@ -6,15 +6,12 @@ text nodes; nothing of them is ever read as HTML.
 """
 
 import json
-from base64 import b64encode
-from functools import cache
-from hashlib import sha256
 from html import escape
-from importlib.resources import files
 from string import Template
 from typing import Any
 
 from rtron.reports.html_data import page_data
+from rtron.reports.inline import page_text, policy
 from rtron.vocabulary import InteractionGraph, Plan, RiskReport
 
 _LAYOUT = ("dagre.LICENSE.txt", "dagre.min.js")
@@ -25,10 +22,10 @@ _UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&"}
 def graph_to_html(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> str:
     """Return the page of a graph, its risks and, where there is a plan, its coordination nodes."""
     data = page_data(graph, report, plan)
-    layout, program, style = "".join(map(_text, _LAYOUT)), _program(), _text("page.css")
-    return Template(_text("page.html")).substitute(
+    layout, program, style = "".join(map(page_text, _LAYOUT)), _program(), page_text("page.css")
+    return Template(page_text("page.html")).substitute(
         title=escape(data["app"]),
-        policy=_policy((layout, program), style),
+        policy=policy((layout, program), style),
         style=style,
         layout=layout,
         program=program,
@@ -41,22 +38,5 @@ def _inline_json(value: Any) -> str:  # noqa: ANN401 - plain JSON
     return json.dumps(value, separators=(",", ":")).translate(_UNSAFE)
 
 
-def _policy(scripts: tuple[str, ...], style: str) -> str:
-    allowed = " ".join(map(_hash, scripts))
-    return (
-        f"default-src 'none'; script-src {allowed}; style-src {_hash(style)}; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'"
-    )
-
-
-def _hash(text: str) -> str:
-    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
-
-
 def _program() -> str:
-    return "(() => {\n" + '"use strict";\n' + "".join(map(_text, _SCRIPTS)) + "})();\n"
-
-
-@cache
-def _text(name: str) -> str:
-    return (files("rtron.reports") / "page" / name).read_text(encoding="utf-8")
+    return "(() => {\n" + '"use strict";\n' + "".join(map(page_text, _SCRIPTS)) + "})();\n"

@@ -6,6 +6,7 @@ from itertools import chain
 from rich.text import Text
 
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.node_functions import node_functions
 from rtron.reports.plan_words import (
     area_words,
     audit_words,
@@ -30,6 +31,7 @@ from rtron.vocabulary import (
     FpsMonitor,
     GuardedTopic,
     Mode,
+    Node,
     Plan,
     Stop,
     action_of,
@@ -41,12 +43,39 @@ _CELL_STYLES = ("cyan", "", "", "dim")
 _Rows = list[tuple[str, ...]]
 
 
-def plan_text(plan: Plan, next_step: str = "", remarks: Sequence[Remark] = ()) -> Report:
-    """Return the plan, what it leaves open, and the command that puts it to use."""
-    return Report(lambda page: _lines(plan, next_step, remarks, page))
+def plan_text(
+    plan: Plan,
+    next_step: str = "",
+    remarks: Sequence[Remark] = (),
+    nodes: Sequence[Node] = (),
+) -> Report:
+    """Return the plan, what it leaves open, and the command that puts it to use.
+
+    `nodes` are those of the app: the functions of those that the plan guards are shown.
+    """
+    ours = frozenset(flow.publisher for flow in _flows(plan))
+    guarded = [node for node in nodes if node.name in ours]
+    return Report(
+        lambda page: chain(
+            _lines(plan, remarks, page), node_functions(guarded, page), _next(next_step)
+        )
+    )
 
 
-def _lines(plan: Plan, next_step: str, remarks: Sequence[Remark], page: Page) -> Iterator[Text]:
+def _flows(plan: Plan) -> Iterator[Flow]:
+    yield from chain.from_iterable(grcn.flows for grcn in plan.grcn)
+    vflows = plan.rsrcn.vflows if plan.rsrcn else ()
+    aflows = plan.msrcn.aflows if plan.msrcn else ()
+    yield from chain.from_iterable(topic.flows for topic in (*vflows, *aflows))
+
+
+def _next(step: str) -> Iterator[Text]:
+    if step:
+        yield from heading("Next")
+        yield line((step, "bold green"), indent=2)
+
+
+def _lines(plan: Plan, remarks: Sequence[Remark], page: Page) -> Iterator[Text]:
     yield line((plan.app or "app", "bold"), f"  plan for ROS {plan.ros}, revision {plan.revision}")
     yield line(_summary(plan))
     yield from chain.from_iterable(_grcn(g) for g in plan.grcn if g.mode is Mode.ENFORCE)
@@ -59,9 +88,6 @@ def _lines(plan: Plan, next_step: str, remarks: Sequence[Remark], page: Page) ->
     if remarks:
         yield from heading(f"Left out ({len(remarks)})")
         yield from remark_lines(remarks, page)
-    if next_step:
-        yield from heading("Next")
-        yield line((next_step, "bold green"), indent=2)
 
 
 def _summary(plan: Plan) -> str:

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from rtron.reports.contention import contention
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.node_functions import node_functions
 from rtron.reports.risk_list import place, risk_list
 from rtron.reports.words import MILDEST_LAST, SEVERITY_STYLE, worst_first
 from rtron.vocabulary import (
@@ -43,6 +44,7 @@ def _lines(scan: Scan, page: Page) -> Iterable[Text]:
         _header(scan, page),
         contention(scan.graph, scan.report, page),
         risk_list(scan.report, page),
+        node_functions(scan.graph.nodes, page),
         _coordination(scan.report),
         _not_run(scan.report, page),
         _unresolved(scan.graph.unresolved, page),

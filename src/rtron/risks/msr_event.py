@@ -4,8 +4,9 @@
 
 A topic whose message type is an event (battery, temperature, position and others: EVENT_MSG_TYPE),
 or with `detect` in its name (mission-specific risk, paper section 4.3; Algorithm 1, lines 6 to 8).
-The high-risk nodes are its publishers. Those whose function is known to be Preprocessing are left
-out, as the paper's text does.
+The high-risk nodes are its publishers. Your own nodes of Preprocessing are left out, as the paper's
+text does; somebody else's are not, since a node's function is often told by its name, which anybody
+can choose.
 
 ## Why it is a risk
 
@@ -29,7 +30,7 @@ from rtron.risks.facts import Facts, TopicFacts, evidence_of
 from rtron.risks.rule import Need, Rule
 from rtron.risks.severity import severity_of
 from rtron.risks.wording import listed, verb
-from rtron.vocabulary import FunctionType, Risk, RiskKind, Role
+from rtron.vocabulary import FunctionType, Risk, RiskKind, Role, Trust
 
 
 def check(facts: Facts) -> Iterator[Risk]:
@@ -48,7 +49,8 @@ def _is_event(facts: Facts, topic: TopicFacts) -> bool:
 
 def _preprocessing(facts: Facts) -> frozenset[str]:
     nodes = facts.graph.nodes
-    return frozenset(n.name for n in nodes if n.function is FunctionType.PREPROCESSING)
+    converting = (n for n in nodes if n.function is FunctionType.PREPROCESSING)
+    return frozenset(node.name for node in converting if node.trust is Trust.OWN)
 
 
 def _risk(facts: Facts, topic: TopicFacts, nodes: tuple[str, ...]) -> Risk:

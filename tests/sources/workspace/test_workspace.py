@@ -197,6 +197,21 @@ def test_a_manifest_that_is_no_xml_is_noted(tmp_path):
     assert "not XML" in found.unresolved()[0].why
 
 
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        ("<description>Drives\n   wheels</description>", "Drives wheels"),
+        ("<description><b>Drives</b> two <p>wheels</p></description>", "Drives two wheels"),
+        ("<description/>", ""),
+        ("", ""),
+        (f"<description>{'x' * 5000}</description>", "x" * 4096),
+    ],
+)
+def test_a_manifest_describes_its_package(tmp_path, written, read):
+    package(tmp_path / "p", {"package.xml": f"<package><name>p</name>{written}</package>"})
+    assert workspace(tmp_path).manifest("p").description == read
+
+
 @pytest.mark.skipif("RTRON_APPS" not in os.environ, reason="RTRON_APPS names no folder of apps")
 @pytest.mark.parametrize(
     ("app", "name", "type", "source"),

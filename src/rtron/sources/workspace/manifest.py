@@ -10,6 +10,7 @@ from rtron.errors import InputError
 from rtron.sources.launch.document import Element, parse_xml
 from rtron.vocabulary import Evidence, Unresolved
 
+MAX_DESCRIPTION = 4096
 _DEPENDING = frozenset(
     {"depend", "build_depend", "build_export_depend", "exec_depend", "run_depend", "test_depend"}
 )
@@ -25,8 +26,12 @@ class Export:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manifest:
-    """The dependencies and exports of a package; an unreadable manifest has none."""
+    """What a package says of itself; an unreadable manifest says nothing.
 
+    `description` is on one line, without markup (REP 149).
+    """
+
+    description: str = ""
     depends: tuple[str, ...] = ()
     exports: tuple[Export, ...] = ()
     unresolved: tuple[Unresolved, ...] = ()
@@ -41,7 +46,17 @@ def read_manifest(package: Path) -> Manifest:
     except InputError as error:
         place = Evidence(file=error.path, line=error.line)
         return Manifest(unresolved=(Unresolved(what=path.name, why=str(error), evidence=(place,)),))
-    return Manifest(depends=_depends(root), exports=tuple(_exports(root, package)))
+    return Manifest(
+        description=_description(root),
+        depends=_depends(root),
+        exports=tuple(_exports(root, package)),
+    )
+
+
+def _description(root: Element) -> str:
+    found = root.find("description")
+    words = () if found is None else map(str, found.itertext("*"))
+    return " ".join(" ".join(words).split())[:MAX_DESCRIPTION]
 
 
 def _depends(root: Element) -> tuple[str, ...]:

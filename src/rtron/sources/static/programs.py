@@ -11,16 +11,19 @@ from rtron.sources.workspace.scripts import is_executable, language
 from rtron.sources.workspace.workspace import NODELET
 
 
-def programs(workspace: Workspace, folder: Path) -> Iterator[Task]:
-    """Yield the executables, the executable Python scripts and the nodelets below a folder."""
+def programs(workspace: Workspace, folder: Path) -> Iterator[tuple[str, Task]]:
+    """Yield the executables, executable Python scripts and nodelets below a folder.
+
+    Each comes with the name of its package.
+    """
     packages = [p for p, path in workspace.packages.items() if path.is_relative_to(folder)]
     for package in packages:
-        yield from _executables(workspace, package)
-        yield from _scripts(workspace, package)
+        for task in (*_executables(workspace, package), *_scripts(workspace, package)):
+            yield package, task
     for plugin in workspace.plugins(NODELET):
         found = workspace.nodelet(plugin.name or plugin.type)
         if plugin.package in packages and found and found.program:
-            yield _task(TaskKind.NODELET, found.program, cls=plugin.type)
+            yield plugin.package, _task(TaskKind.NODELET, found.program, cls=plugin.type)
 
 
 def _executables(workspace: Workspace, package: str) -> Iterator[Task]:

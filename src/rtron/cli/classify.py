@@ -1,0 +1,115 @@
+"""`rtron classify`."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rtron.cli.options import Output
+from rtron.cli.outcome import STDOUT, Outcome
+from rtron.cli.progress import shown_progress
+from rtron.cli.repositories import Readmes, left_out
+from rtron.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rtron.functions.classification import Classification
+    from rtron.functions.executors import Executor
+    from rtron.functions.reading import Note
+    from rtron.functions.repository import Repository
+
+_FEW = 2000
+"""Repositories that are done here sooner than other processes have started."""
+
+
+def classify(
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE.jsonl|DIR|distribution.yaml",
+            help="A line of JSON for each repository (- is standard input), a repository's folder "
+            "or a folder of them, or rosdistro's list.",
+        ),
+    ],
+    *,
+    readmes: Readmes = None,
+    table: Annotated[
+        bool, typer.Option("--table", help="Print the paper's two tables instead.")
+    ] = False,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", "-j", min=1, metavar="N", help="Work in N processes."),
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Work on a Dask cluster that you trust."),
+    ] = None,
+    output: Output = STDOUT,
+) -> Outcome:
+    """Find which robot functions repositories have.
+
+    Rules over names, then manifests' descriptions, then the README give each
+    repository its function types, 17 in five domains as in the paper. Each
+    line of the result is a repository, with the words that decided.
+
+    $ rtron classify src/navigation                  a repository
+    $ rtron classify src --table                     a folder of them
+    $ rtron classify kinetic.jsonl --readmes readmes.jsonl -o classes.jsonl
+    $ rtron classify humble/distribution.yaml        names tell less
+    $ rtron classify all.jsonl --cluster tcp://10.0.0.7:8786
+
+    What cannot be read is left out and told on standard error.
+
+    Exit code: 0 classified, 2 nothing can be read.
+    """
+    from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
+
+    with left_out() as left:
+        repositories = read_repositories(source, readmes, left)
+        executor = _executor(len(repositories), jobs, cluster)
+        found = list(_classified(repositories, executor, left))
+    if table:
+        from rtron.functions.tables import count  # noqa: PLC0415 - the guard starts without it
+        from rtron.reports.functions_tables import tables_text  # noqa: PLC0415 - the guard starts without it
+
+        return Outcome(tables_text(count(found)), to=output)
+    return Outcome(_as_lines(found), to=output)
+
+
+def _executor(number: int, jobs: int | None, cluster: str | None) -> "Executor":
+    from rtron.functions.executors import Cluster, Here, Processes  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.static.options import default_workers  # noqa: PLC0415 - the guard starts without it
+
+    if cluster and jobs:
+        help = "leave one of the two out: a cluster has its own workers"
+        raise InputError("both --cluster and --jobs are given", help=help)
+    if cluster:
+        return Cluster(cluster)
+    count = jobs or (1 if number <= _FEW else default_workers())
+    return Processes(count) if count > 1 else Here()
+
+
+def _classified(
+    repositories: "list[Repository]", executor: "Executor", left: "Note"
+) -> "Iterator[Classification]":
+    from rtron.functions.classify import classify as classified  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.executors import Failed  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.reading import Skipped  # noqa: PLC0415 - the guard starts without it
+
+    known = len(repositories)
+    with shown_progress() as progress:
+        results = executor.map(classified, repositories)
+        for done, (repository, result) in enumerate(zip(repositories, results, strict=True), 1):
+            progress(done, known, repository.name)
+            if isinstance(result, Failed):
+                left(Skipped(place=repository.name, why=result.why))
+            else:
+                yield result
+
+
+def _as_lines(found: "Iterable[Classification]") -> str:
+    from rtron.reports.functions_json import classification_to_json  # noqa: PLC0415 - the guard starts without it
+
+    return "".join(json.dumps(classification_to_json(each)) + "\n" for each in found)

@@ -1,0 +1,91 @@
+"""`rtron explain-class`."""
+
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rtron.cli.outcome import Outcome
+from rtron.cli.repositories import Readmes, left_out
+from rtron.errors import InputError, RTronError
+
+if TYPE_CHECKING:
+    from rtron.functions.repository import Repository
+
+_LONGEST_SHOWN = 80
+_SEVERAL_SHOWN = 5
+
+
+def _complete(ctx: typer.Context, incomplete: str) -> list[str]:
+    from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
+
+    try:
+        source = ctx.params.get("source")
+        found = read_repositories(Path(source), None, lambda _: None) if source else []
+    except (RTronError, OSError):
+        return []
+    return [each.name for each in found if each.name.startswith(incomplete)]
+
+
+def explain_class(
+    repo: Annotated[
+        str,
+        typer.Argument(metavar="DIR|NAME", help="The repository.", autocompletion=_complete),
+    ],
+    *,
+    source: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE.jsonl|DIR|distribution.yaml",
+            help="Where a repository of this NAME is described.",
+        ),
+    ] = None,
+    readmes: Readmes = None,
+) -> Outcome:
+    """Explain why a repository has its functions.
+
+    Every rule that matches is shown: where, on which words, with its weight,
+    and whether a veto stopped it or an earlier piece had decided already.
+
+    $ rtron explain-class src/navigation
+    $ rtron explain-class rrt_exploration --from kinetic.jsonl
+    $ rtron explain-class amcl --from kinetic.jsonl --readmes readmes.jsonl
+
+    Exit code: 0 explained, 2 no such repository.
+    """
+    from rtron.functions.classify import classify  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.tracing import trace  # noqa: PLC0415 - the guard starts without it
+    from rtron.reports.functions_evidence import evidence_text  # noqa: PLC0415 - the guard starts without it
+
+    found = _found(repo, source, readmes)
+    return Outcome(evidence_text(found, classify(found), trace(found)))
+
+
+def _found(repo: str, source: Path | None, readmes: Path | None) -> "Repository":
+    from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
+
+    if source is None and not Path(repo).is_dir():
+        help = "give its folder, or say --from which file"
+        raise InputError(f"{repo[:_LONGEST_SHOWN]!r} is no folder", help=help)
+    with left_out() as left:
+        found = read_repositories(source or Path(repo), readmes, left)
+    return _named(repo, found) if source else _only(repo, found)
+
+
+def _only(repo: str, found: "list[Repository]") -> "Repository":
+    if len(found) > 1:
+        names = ", ".join(each.name for each in found[:_SEVERAL_SHOWN])
+        help = f"rtron explain-class NAME --from {repo}"
+        raise InputError(f"{repo} holds {len(found)} repositories: {names}, …", help=help)
+    return found[0]
+
+
+def _named(repo: str, found: "list[Repository]") -> "Repository":
+    names = {each.name: each for each in found}
+    if repo not in names:
+        near = get_close_matches(repo[:_LONGEST_SHOWN], names, n=1)
+        help = f"did you mean {near[0]}?" if near else "`rtron classify` lists them all"
+        raise InputError(f"no repository is named {repo[:_LONGEST_SHOWN]!r}", help=help)
+    return names[repo]

@@ -1,0 +1,52 @@
+"""What a repository's functions are found to be, and what told so."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rtron.vocabulary import FunctionType, Word
+
+
+class Piece(Word):
+    """A piece of key information (paper A.1), in the order in which they are asked."""
+
+    NAME = "name"
+    MANIFEST = "manifest"
+    README = "readme"
+
+
+class DecidedBy(Word):
+    """The piece that decided, or none: nothing told."""
+
+    NAME = "name"
+    MANIFEST = "manifest"
+    README = "readme"
+    NONE = "none"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """A rule that matched: in which piece, on which words, for which type.
+
+    `package` is the package whose name or description it is, "" where it is the repository's own.
+    """
+
+    piece: Piece
+    text: str
+    rule: str
+    type: FunctionType
+    package: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Classification:
+    """A repository's functions, the first one first; none of them where nothing tells.
+
+    `packages` are the functions of each package whose own name or description tells.
+    """
+
+    repo: str
+    functions: tuple[FunctionType, ...] = ()
+    primary: FunctionType | None = None
+    decided_by: DecidedBy = DecidedBy.NONE
+    evidence: tuple[Evidence, ...] = ()
+    packages: Mapping[str, tuple[FunctionType, ...]] = field(default_factory=dict)

@@ -1,0 +1,108 @@
+"""From a repository's text to its functions (paper A.2): the name, then manifests, then README."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtron.functions.classification import Classification, DecidedBy, Piece
+from rtron.functions.information.descriptions import description_tokens
+from rtron.functions.information.names import name_tokens
+from rtron.functions.information.readme import readme_tokens
+from rtron.functions.scores import Scores, scores
+from rtron.functions.stack import functional, stack_scores, union
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from rtron.functions.repository import Package, Repository
+    from rtron.vocabulary import FunctionType
+
+_LATER_SENTENCE = 0.6
+_README_START = 3
+_README_LATER = 0.15
+_MARGIN = 0.3
+
+
+def classify(repository: Repository) -> Classification:
+    """Return a repository's functions; the first piece that decides ends the search for the first.
+
+    A repository of several packages has those functions too that its packages have.
+    """
+    packages = {package.name: package_scores(package) for package in repository.packages}
+    weighed = Scores()
+    for piece, more in _pieces(repository, packages):
+        weighed += more()
+        primary = _decided(weighed)
+        if primary:
+            functions = union(primary, weighed, functional(packages))
+            return _classified(repository, functions, DecidedBy(piece), weighed, packages)
+    return _classified(repository, (), DecidedBy.NONE, weighed, packages)
+
+
+def classify_name(package_name: str, description: str = "") -> tuple[FunctionType, ...]:
+    """Return what a package's name and description tell, the strongest first; none if nothing."""
+    name = _name(package_name)
+    return name.ranked() or (name + _description(description)).ranked()
+
+
+def package_scores(package: Package) -> Scores:
+    """Return what a package's own name and description tell."""
+    return _name(package.name, package.name) + _description(package.description, package.name)
+
+
+def _pieces(
+    repository: Repository, packages: Mapping[str, Scores]
+) -> Iterator[tuple[Piece, Callable[[], Scores]]]:
+    yield Piece.NAME, lambda: _name(repository.name)
+    yield Piece.MANIFEST, lambda: _manifests(repository, packages)
+    yield Piece.README, lambda: _readme(repository.readme)
+
+
+def _name(name: str, package: str = "") -> Scores:
+    return scores([(name_tokens(name), 1.0)], Piece.NAME, package)
+
+
+def _description(description: str, package: str = "") -> Scores:
+    parts = enumerate(description_tokens(description))
+    texts = ((tokens, _LATER_SENTENCE if at else 1.0) for at, tokens in parts)
+    return scores(texts, Piece.MANIFEST, package)
+
+
+def _manifests(repository: Repository, packages: Mapping[str, Scores]) -> Scores:
+    own = [p for p in repository.packages if p.name == repository.name]
+    told = Scores()
+    for package in own:
+        told += _description(package.description, package.name)
+    others = {name: found for name, found in packages.items() if name != repository.name}
+    return told + stack_scores(functional(others).values())
+
+
+def _readme(readme: str) -> Scores:
+    parts = enumerate(readme_tokens(readme))
+    texts = ((tokens, 1.0 if at < _README_START else _README_LATER) for at, tokens in parts)
+    return scores(texts, Piece.README)
+
+
+def _decided(weighed: Scores) -> FunctionType | None:
+    ranked = weighed.ranked()
+    if not ranked:
+        return None
+    second = max((w for type, w in weighed.weights.items() if type is not ranked[0]), default=0.0)
+    return ranked[0] if weighed.weights[ranked[0]] - second >= _MARGIN else None
+
+
+def _classified(
+    repository: Repository,
+    functions: tuple[FunctionType, ...],
+    decided_by: DecidedBy,
+    weighed: Scores,
+    packages: Mapping[str, Scores],
+) -> Classification:
+    return Classification(
+        repo=repository.name,
+        functions=functions,
+        primary=functions[0] if functions else None,
+        decided_by=decided_by,
+        evidence=weighed.evidence,
+        packages={name: found.ranked() for name, found in packages.items()},
+    )

@@ -1,0 +1,70 @@
+"""Runs items in several processes of this machine."""
+
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any
+
+from rtron.functions.executors.executor import Failed, Item, Result
+from rtron.functions.executors.window import LostError, in_order
+
+
+@dataclass(frozen=True, slots=True)
+class Processes:
+    """An Executor of `count` processes; they are started for each map and end with it."""
+
+    count: int
+
+    def map(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[Result | Failed]:
+        """Yield each item's result, as Executor says."""
+        with closing(_Pool(self.count)) as pool:
+            yield from in_order(pool, function, items)
+
+
+class _Pool:
+    """Processes that are started anew where one of them has ended."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self._executor: ProcessPoolExecutor | None = None
+
+    def submit(self, function: Callable[..., Any], *arguments: object) -> Callable[[], Any]:
+        """Begin a call; the answer waits for its result."""
+        try:
+            future = self._started().submit(function, *arguments)
+        except BrokenProcessPool:
+            self.close()
+            future = self._started().submit(function, *arguments)
+        return lambda: self._result(future)
+
+    def close(self) -> None:
+        """End the processes."""
+        if self._executor is not None:
+            self._executor.shutdown(cancel_futures=True)
+            self._executor = None
+
+    def _result(self, future: "Future[Any]") -> Any:  # noqa: ANN401 - as the function's
+        try:
+            return future.result()
+        except BrokenProcessPool:
+            raise LostError from None
+
+    def _started(self) -> ProcessPoolExecutor:
+        if self._executor is None:
+            self._executor = ProcessPoolExecutor(
+                max_workers=self.count,
+                mp_context=get_context("spawn"),
+                initializer=_leave_interrupts,
+            )
+        return self._executor
+
+
+def _leave_interrupts() -> None:
+    """Leave Ctrl-C to the process that started this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

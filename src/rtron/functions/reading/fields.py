@@ -1,0 +1,46 @@
+"""The fields of an entry that somebody else wrote, each of the type that it should have."""
+
+from typing import Any
+
+from rtron.functions.reading.lines import Document
+from rtron.functions.reading.skipped import UnreadableError
+
+MAX_NAME = 256
+MAX_TEXT = 64 * 2**10
+
+
+def name(document: Document, key: str) -> str:
+    """Return a name, which must be there; raise UnreadableError for others."""
+    found = document.get(key)
+    if not isinstance(found, str) or not found.strip():
+        raise UnreadableError(f"{key} is no name")
+    if len(found) > MAX_NAME:
+        raise UnreadableError(f"{key} is longer than {MAX_NAME} characters")
+    return found.strip()
+
+
+def text(document: Document, key: str) -> str:
+    """Return a text of at most MAX_TEXT characters, "" without one; raise for others."""
+    found = document.get(key)
+    if found is None:
+        return ""
+    if not isinstance(found, str):
+        raise UnreadableError(f"{key} is no text")
+    return found[:MAX_TEXT]
+
+
+def entries(document: Document, key: str) -> list[Any]:
+    """Return a list, empty without one; raise UnreadableError for others."""
+    found = document.get(key)
+    if found is None:
+        return []
+    if not isinstance(found, list):
+        raise UnreadableError(f"{key} is no list")
+    return found
+
+
+def mapping(found: object, what: str) -> Document:
+    """Return what should be an object; raise UnreadableError if it is none."""
+    if not isinstance(found, dict):
+        raise UnreadableError(f"{what} is no object")
+    return found

@@ -1,0 +1,41 @@
+"""The README of a repository's folder."""
+
+from pathlib import Path
+
+from rtron.functions.reading.fields import MAX_TEXT
+from rtron.functions.reading.skipped import Note, Skipped
+from rtron.sources.workspace.files import is_inside, is_regular
+
+_ENDINGS = (".md", ".markdown", ".rst", ".txt", "")
+
+
+def read_readme(folder: Path, note: Note) -> str:
+    """Return the beginning of a folder's README, "" without one; a binary one goes to `note`."""
+    path = find_readme(folder)
+    if path is None:
+        return ""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MAX_TEXT)
+    except OSError as error:
+        note(Skipped(place=str(path), why=error.strerror or "cannot be read"))
+        return ""
+    if b"\0" in data:
+        note(Skipped(place=str(path), why="is binary"))
+        return ""
+    return data.decode("utf-8", errors="replace")
+
+
+def find_readme(folder: Path) -> Path | None:
+    """Return the README of a folder, Markdown before the others; no link that leads out of it."""
+    inside = (folder.resolve(),)
+    found = [
+        path
+        for path in folder.glob("[Rr][Ee][Aa][Dd][Mm][Ee]*")
+        if path.suffix.lower() in _ENDINGS and is_regular(path) and is_inside(path, inside)
+    ]
+    return min(found, key=_rank, default=None)
+
+
+def _rank(path: Path) -> tuple[int, str]:
+    return _ENDINGS.index(path.suffix.lower()), path.name

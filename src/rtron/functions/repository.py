@@ -1,0 +1,22 @@
+"""A repository as the classifier sees it: names, manifests' descriptions and README."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Package:
+    """A package: its name, its manifest's description and the packages its manifest depends on."""
+
+    name: str
+    description: str = ""
+    depends: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Repository:
+    """A repository: what can be read of it without running or building anything."""
+
+    name: str
+    packages: tuple[Package, ...] = ()
+    readme: str = ""
+    url: str = ""

@@ -1,0 +1,31 @@
+"""The examples that stand beside each rule: what it must match, and what it must not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtron.functions.information.names import name_tokens
+from rtron.functions.information.sentences import sentences
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rtron.functions.matching.tokens import Tokens
+    from rtron.functions.rules.rule import Rule
+
+_MOST_SENTENCES = 3
+
+
+def faults(rules: Iterable[Rule]) -> Iterator[str]:
+    """Yield a line for each example that its rule takes otherwise than it says."""
+    for rule in rules:
+        yield from (f"{rule.id} misses {text!r}" for text in rule.matches if not _fits(rule, text))
+        yield from (f"{rule.id} takes {text!r}" for text in rule.excludes if _fits(rule, text))
+
+
+def _fits(rule: Rule, text: str) -> bool:
+    return any(rule.fits(tokens) for tokens in _tokens(text))
+
+
+def _tokens(text: str) -> Iterable[Tokens]:
+    return sentences(text, _MOST_SENTENCES) if " " in text else (name_tokens(text),)

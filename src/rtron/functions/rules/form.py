@@ -1,0 +1,36 @@
+"""What a file of rules looks like, checked: whatever is wrong is told with the file's name."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from rtron.functions.classification import Piece
+from rtron.vocabulary import FunctionType  # noqa: TC001 - pydantic reads it
+
+Text = Annotated[str, Field(min_length=1, max_length=2000)]
+Texts = Annotated[tuple[Text, ...], Field(max_length=200)]
+
+
+class WrittenRule(BaseModel):
+    """A rule as it is written."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    id: Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$")]
+    weight: Annotated[float, Field(ge=1, le=9)]
+    patterns: Annotated[Texts, Field(min_length=1)]
+    pieces: Annotated[tuple[Piece, ...], Field(min_length=1)] = tuple(Piece)
+    vetoes: Texts = ()
+    matches: Annotated[Texts, Field(min_length=1)]
+    excludes: Annotated[Texts, Field(alias="not", min_length=1)]
+
+
+class WrittenRules(BaseModel):
+    """A file of rules."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    type: FunctionType
+    rules: Annotated[tuple[WrittenRule, ...], Field(min_length=1)]

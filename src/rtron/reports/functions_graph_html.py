@@ -1,0 +1,54 @@
+"""The abstract interaction graph as one HTML file: the picture, and its interactions as tables.
+
+Like the page of an app it needs no network and allows none.
+"""
+
+from collections.abc import Iterator
+from html import escape
+from string import Template
+
+from rtron.functions.graph import AbstractGraph
+from rtron.reports.functions_graph_svg import functions_to_svg
+from rtron.reports.functions_graph_words import evidence_words, left_out_words
+from rtron.reports.inline import page_text, policy
+from rtron.reports.lines import counted
+from rtron.reports.neutral import neutral
+
+
+def functions_to_html(graph: AbstractGraph) -> str:
+    """Return the page of a graph."""
+    program, style = page_text("functions.js"), page_text("functions.css")
+    return Template(page_text("functions.html")).substitute(
+        policy=policy((program,), style),
+        style=style,
+        program=program,
+        summary=_summary(graph),
+        picture=functions_to_svg(graph),
+        drawn=left_out_words(graph),
+        direct="\n".join(_direct(graph)),
+        indirect="\n".join(_indirect(graph)),
+    )
+
+
+def _summary(graph: AbstractGraph) -> str:
+    inside = graph.packages - graph.outside
+    return (
+        f"{counted(len(graph.functions), 'function')} of {counted(inside, 'package')}; "
+        f"{graph.outside} more have no place in it: tools, extensions, and what nothing tells of."
+    )
+
+
+def _direct(graph: AbstractGraph) -> Iterator[str]:
+    for edge in graph.direct:
+        for message in edge.messages:
+            yield _row(edge.source, edge.target, message.type, evidence_words(message))
+
+
+def _indirect(graph: AbstractGraph) -> Iterator[str]:
+    return (_row(edge.source, edge.target, edge.through) for edge in graph.indirect)
+
+
+def _row(source: str, target: str, *more: str) -> str:
+    cells = "".join(f"<td>{escape(neutral(cell))}</td>" for cell in (source, target, *more))
+    ends = f'data-from="{escape(neutral(source))}" data-to="{escape(neutral(target))}"'
+    return f"<tr {ends}>{cells}</tr>"

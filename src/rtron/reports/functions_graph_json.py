@@ -1,0 +1,34 @@
+"""The abstract interaction graph as JSON, schema `rtron.functions/1`."""
+
+from dataclasses import asdict
+from typing import Any
+
+from rtron.functions.graph import FUNCTIONS_SCHEMA, AbstractGraph, DirectInteraction
+
+
+def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:
+    """Return the graph as a JSON document; see docs/functions_graph.md for its keys."""
+    return {
+        "schema": FUNCTIONS_SCHEMA,
+        "packages": graph.packages,
+        "outside": graph.outside,
+        "functions": [
+            {
+                "name": node.name,
+                "function": node.function.value,
+                "domain": node.domain.value,
+                "packages": node.packages,
+            }
+            for node in graph.functions
+        ],
+        "direct": [_direct(edge) for edge in graph.direct],
+        "indirect": [
+            {"from": edge.source, "to": edge.target, "through": edge.through}
+            for edge in graph.indirect
+        ],
+    }
+
+
+def _direct(edge: DirectInteraction) -> dict[str, Any]:
+    messages = [asdict(message) | {"basis": message.basis.value} for message in edge.messages]
+    return {"from": edge.source, "to": edge.target, "messages": messages}

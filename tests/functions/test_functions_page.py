@@ -1,0 +1,44 @@
+"""What docs/functions.md says is so."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from rtron.functions.classify import classify
+from rtron.functions.domains import DOMAIN_OF
+from rtron.functions.repository import Package, Repository
+from rtron.functions.rules.examples import faults
+from rtron.functions.rules.load import read_rules
+from rtron.vocabulary import Domain, FunctionType
+
+PAGE = (Path(__file__).parents[2] / "docs" / "functions.md").read_text(encoding="utf-8")
+
+
+def test_its_rule_is_one_and_does_what_it_says():
+    (text,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
+    (rule,) = read_rules(text, "page", {})
+    assert list(faults([rule])) == []
+    assert rule.vetoes
+
+
+def test_its_types_are_all_there_are():
+    rows = re.findall(r"^\| (\w+) \| (.+) \|$", PAGE, re.MULTILINE)
+    told = {
+        FunctionType(type): Domain(domain)
+        for domain, types in rows
+        if domain in {*Domain}
+        for type in types.split(", ")
+    }
+    assert told == DOMAIN_OF
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["\n\n" * 32_000, ("\n" + " ") * 32_000, "![" * 32_000, "# " * 32_000, " " * 64_000 + "x"],
+    ids=["lines", "blanks", "images", "headings", "spaces"],
+)
+def test_a_readme_that_is_made_to_be_slow_tells_nothing(text):
+    package = Package(name="qqq", description=text)
+    found = classify(Repository(name="zzz", packages=(package,), readme=text))
+    assert found.primary is None

@@ -1,0 +1,112 @@
+import pytest
+
+from rtron.errors import InputError
+from rtron.functions.reading import read_repositories
+from rtron.functions.reading.yaml_file import MAX_DEPTH
+from rtron.functions.repository import Package, Repository
+
+DISTRIBUTION = """%YAML 1.1
+---
+release_platforms: {ubuntu: [xenial]}
+repositories:
+  navigation:
+    doc: {type: git, url: https://doc}
+    release:
+      packages: [amcl, map_server]
+      url: https://release
+      version: 1.14.9-1
+    source: {type: git, url: https://source}
+  lone:
+    release: {url: https://lone}
+  unreleased:
+    source: {type: git, url: https://unreleased}
+  empty: {}
+type: distribution
+version: 2
+"""
+
+
+@pytest.fixture
+def noted():
+    return []
+
+
+@pytest.fixture
+def read(tmp_path, noted):
+    def read_text(text):
+        path = tmp_path / "distribution.yaml"
+        path.write_text(text)
+        return read_repositories(
+            path, None, lambda each: noted.append(str(each).replace(f"{path}", "file"))
+        )
+
+    return read_text
+
+
+def test_names_are_read(read, noted):
+    amcl, server, lone = Package(name="amcl"), Package(name="map_server"), Package(name="lone")
+    assert read(DISTRIBUTION) == [
+        Repository(name="navigation", packages=(amcl, server), url="https://source"),
+        Repository(name="lone", packages=(lone,), url="https://lone"),
+        Repository(name="unreleased", url="https://unreleased"),
+        Repository(name="empty"),
+    ]
+    assert noted == []
+
+
+@pytest.mark.parametrize(
+    ("entry", "why"),
+    [
+        ("7: {}", "7: repo is no name"),
+        ("'': {}", ": repo is no name"),
+        ("a: []", "a: the entry is no object"),
+        ("a: {release: [x]}", "a: release is no object"),
+        ("a: {release: {packages: b}}", "a: packages is no list"),
+        ("a: {release: {packages: [3]}}", "a: a package is no name"),
+        ("a: {source: {url: 3}}", "a: url is no text"),
+        ("[a, b]: {}", None),
+    ],
+)
+def test_a_wrong_entry_costs_itself_only(read, noted, entry, why):
+    text = f"repositories:\n  {entry}\n  good: {{}}\n"
+    if why is None:
+        with pytest.raises(InputError, match="not YAML"):
+            read(text)
+        return
+    assert [each.name for each in read(text)] == ["good"]
+    assert noted == [f"file: {why}"]
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("", "lists no repositories"),
+        ("[a]", "lists no repositories"),
+        ("repositories: [a]", "lists no repositories"),
+        ("repositories: {}", "no repository could be read"),
+        ("a: b: c", r"yaml:1: not YAML: mapping values are not allowed"),
+        ("repositories:\n  a: &x {}\n  b: *x", r"yaml:2: has anchors or aliases"),
+        ("a: !!python/object/apply:os.system ['true']", r"yaml:1: has tags"),
+        ("[" * (MAX_DEPTH + 1), "more than 20 levels"),
+        ("[" * 1_000_000, "more than 20 levels"),
+        ("a: 2020-99-99", "not YAML"),
+        ("\0", "not YAML"),
+    ],
+)
+def test_what_is_no_distribution(read, text, match):
+    with pytest.raises(InputError, match=match):
+        read(text)
+
+
+def test_levels_up_to_the_bound_are_read(read):
+    levels = MAX_DEPTH - 1
+    (found,) = read(f"repositories: {{good: {{}}}}\nmore: {'[' * levels}{']' * levels}")
+    assert found.name == "good"
+
+
+def test_a_file_of_any_size_is_not_read(tmp_path):
+    path = tmp_path / "large.yml"
+    with path.open("wb") as stream:
+        stream.truncate(16 * 2**20 + 1)
+    with pytest.raises(InputError, match="larger than 16 MiB"):
+        read_repositories(path, None, print)

@@ -1,0 +1,208 @@
+import os
+
+import pytest
+
+from rtron.errors import InputError
+from rtron.functions.reading import folder as folder_module
+from rtron.functions.reading import read_repositories
+from rtron.functions.reading.fields import MAX_TEXT
+from rtron.functions.repository import Package
+
+BOMB = """<?xml version="1.0"?>
+<!DOCTYPE package [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">]>
+<package><name>&b;</name></package>"""
+
+
+@pytest.fixture
+def noted():
+    return []
+
+
+@pytest.fixture
+def read(tmp_path, noted):
+    def read_folder(folder="r"):
+        note = lambda each: noted.append(str(each).replace(f"{tmp_path}/", ""))  # noqa: E731
+        return read_repositories(tmp_path / folder, None, note)
+
+    return read_folder
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write_file(name, content=""):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write_file
+
+
+def manifest(name, more=""):
+    return f"<package format='2'><name>{name}</name>{more}</package>"
+
+
+def names(found):
+    return {each.name: [package.name for package in each.packages] for each in found}
+
+
+def test_a_package_is_a_repository(read, write, noted):
+    text = (
+        "<description>Drives <b>two</b>\n  wheels.<!-- no --></description><depend>roscpp</depend>"
+    )
+    write("r/package.xml", manifest(" base ", text))
+    write("r/README.md", "# Base")
+    (found,) = read()
+    assert found.name == "r"
+    assert found.readme == "# Base"
+    description = "Drives two wheels."
+    assert found.packages == (Package(name="base", description=description, depends=("roscpp",)),)
+    assert noted == []
+
+
+def test_every_package_that_a_build_would_find(read, write):
+    write("r/.git/HEAD")
+    for place in ("b", "stack/a", "b/test/inner", ".hidden/c", "d"):
+        write(f"r/{place}/package.xml", manifest(place.rpartition("/")[2]))
+    write("r/d/COLCON_IGNORE")
+    assert names(read()) == {"r": ["b", "a"]}
+
+
+def test_a_folder_of_repositories(read, write, noted):
+    write("r/one/package.xml", manifest("one"))
+    write("r/two/src/x/package.xml", manifest("x"))
+    write("r/docs/index.md")
+    write("r/file")
+    assert names(read()) == {"one": ["one"], "two": ["x"]}
+    assert noted == ["r/docs: has no package.xml"]
+
+
+@pytest.mark.parametrize(
+    ("files", "repositories"),
+    [
+        (["README.md"], {"r": ["a", "b"]}),
+        (["README.md", "a/.git/HEAD"], {"a": ["a"], "b": ["b"]}),
+        (["README.md", "a/.git/HEAD", ".git/HEAD"], {"r": ["a", "b"]}),
+        (["README.md", "a/.git"], {"a": ["a"], "b": ["b"]}),
+        ([], {"a": ["a"], "b": ["b"]}),
+    ],
+)
+def test_one_repository_or_several(read, write, files, repositories):
+    write("r/a/package.xml", manifest("a"))
+    write("r/b/package.xml", manifest("b"))
+    for name in files:
+        write(f"r/{name}")
+    assert names(read()) == repositories
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "not XML"),
+        ("<package>", ":1: not XML"),
+        (b"\0\xff", "not XML"),
+        (BOMB, ":1: has a document type"),
+        (manifest("x" * 2**20), "larger than 1 MiB"),
+        ("<a>" * 100_000, "not XML"),
+    ],
+)
+def test_a_manifest_that_cannot_be_read_costs_itself_only(read, write, noted, text, why):
+    write("r/.git/HEAD")
+    write("r/bad/package.xml", text)
+    write("r/good/package.xml", manifest("good"))
+    assert names(read()) == {"r": ["good"]}
+    (told,) = noted
+    assert told.startswith("r/bad/package.xml: ")
+    assert why in told
+
+
+def test_a_manifest_that_is_a_pipe_is_not_waited_for(read, write, noted, tmp_path):
+    write("r/good/package.xml", manifest("good"))
+    write("r/.git/HEAD")
+    (tmp_path / "r/bad").mkdir()
+    os.mkfifo(tmp_path / "r/bad/package.xml")
+    assert names(read()) == {"r": ["good"]}
+    assert len(noted) == 1
+
+
+def test_a_package_without_a_name_has_its_folders(read, write):
+    write("r/package.xml", "<package/>")
+    assert names(read()) == {"r": ["r"]}
+    write("r/package.xml", manifest("n" * 300))
+    assert names(read()) == {"r": ["n" * 256]}
+
+
+@pytest.mark.parametrize(
+    ("files", "readme"),
+    [
+        ({"README": "plain"}, "plain"),
+        ({"readme.rst": "rst", "README.txt": "txt"}, "rst"),
+        ({"README.md": "md", "README.rst": "rst", "README": "plain"}, "md"),
+        ({"README.pdf": "pdf", "README.md.orig": "orig"}, ""),
+        ({"README.md": b"caf\xe9"}, "caf\ufffd"),
+        ({"README.md": "x" * (MAX_TEXT + 1)}, "x" * MAX_TEXT),
+    ],
+)
+def test_readmes(read, write, files, readme):
+    write("r/package.xml", manifest("a"))
+    for name, content in files.items():
+        write(f"r/{name}", content)
+    (found,) = read()
+    assert found.readme == readme
+
+
+def test_a_binary_readme_is_left_out(read, write, noted):
+    write("r/package.xml", manifest("a"))
+    write("r/README.md", b"PK\0\0")
+    (found,) = read()
+    assert (found.readme, noted) == ("", ["r/README.md: is binary"])
+
+
+def test_a_readme_outside_of_the_folder_is_not_read(read, write, tmp_path):
+    write("r/package.xml", manifest("a"))
+    (tmp_path / "r/README.md").symlink_to(write("secret", "s"))
+    (tmp_path / "r/README.txt").symlink_to("/dev/zero")
+    (found,) = read()
+    assert found.readme == ""
+
+
+def test_the_readme_of_the_only_package(read, write):
+    write("r/.git/HEAD")
+    write("r/a/package.xml", manifest("a"))
+    write("r/a/README.md", "of a")
+    assert read()[0].readme == "of a"
+    write("r/b/package.xml", manifest("b"))
+    assert read()[0].readme == ""
+
+
+def test_links_to_folders_are_not_followed(read, write, tmp_path):
+    write("r/.git/HEAD")
+    write("r/a/package.xml", manifest("a"))
+    (tmp_path / "r/again").symlink_to(tmp_path / "r")
+    assert names(read()) == {"r": ["a"]}
+
+
+def test_a_folder_without_packages(read, tmp_path):
+    (tmp_path / "r").mkdir()
+    with pytest.raises(InputError, match="no repository could be read"):
+        read()
+    (tmp_path / "r/.git").mkdir()
+    with pytest.raises(InputError) as raised:
+        read()
+    assert raised.value.help == f"{tmp_path}/r: has no package.xml"
+
+
+def test_folders_and_packages_are_bounded(read, write, noted, monkeypatch):
+    write("r/.git/HEAD")
+    for name in "abc":
+        write(f"r/{name}/package.xml", manifest(name))
+    monkeypatch.setattr(folder_module, "MAX_PACKAGES", 2)
+    assert names(read()) == {"r": ["a", "b"]}
+    assert noted == ["r: has more than 2 packages; the others are left out"]
+    monkeypatch.setattr(folder_module, "MAX_PACKAGES", 3)
+    assert names(read()) == {"r": ["a", "b", "c"]}
+    monkeypatch.setattr(folder_module, "MAX_FOLDERS", 4)
+    assert names(read()) == {"r": ["a", "b", "c"]}
+    monkeypatch.setattr(folder_module, "MAX_FOLDERS", 3)
+    with pytest.raises(InputError, match="more than 3 folders"):
+        read()
