@@ -6,9 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from rtron.cli import classify as classify_module
 from rtron.cli.explain_class import _complete
-from rtron.functions.executors import Failed, Here
+from rtron.executors import Failed, Here
 
 REPOS = [
     {"repo": "indoor_localization", "packages": [{"name": "indoor_localization"}]},
@@ -93,14 +92,6 @@ def test_a_file_gets_the_lines(rtron, corpus, tmp_path):
 
 def test_processes_find_the_same(rtron, corpus):
     assert rtron("classify", corpus, "-j", "2").out == rtron("classify", corpus).out
-
-
-def test_many_repositories_go_to_processes(rtron, corpus, monkeypatch):
-    assert isinstance(classify_module._executor(classify_module._FEW, None, None), Here)
-    monkeypatch.setattr(classify_module, "_FEW", 2)
-    monkeypatch.setattr("rtron.sources.static.options.default_workers", lambda: 3)
-    assert classify_module._executor(3, None, None).count == 3
-    assert isinstance(classify_module._executor(3, 1, None), Here)
 
 
 def test_what_is_left_out_is_told(rtron, corpus):

@@ -5,14 +5,14 @@ from threading import Thread
 from types import SimpleNamespace
 
 import pytest
-from executor_work import end_at_three, fail_at_three, process, square
+from executor_work import end_at_three, fail_at_three, meet, square
 from local_cluster import local_cluster
 
 from rtron.errors import InputError, SourceError
+from rtron.executors import Cluster, Failed, Here, Processes
+from rtron.executors import cluster as module
+from rtron.executors.window import CHUNK, in_order
 from rtron.functions.classify import classify
-from rtron.functions.executors import Cluster, Failed, Here, Processes
-from rtron.functions.executors import cluster as module
-from rtron.functions.executors.window import CHUNK, in_order
 from rtron.functions.repository import Package, Repository
 
 NAMES = ("amcl", "laser_filters", "joy_teleop", "velodyne_driver", "zzz", "octomap_mapping")
@@ -54,8 +54,9 @@ def test_the_command_says_the_same_with_a_cluster(address, tmp_path):
     assert (alone.stdout.count(b"\n"), together.stderr) == (len(NAMES), b"")
 
 
-def test_both_workers_work(address):
-    assert len(set(Cluster(address).map(process, range(40 * CHUNK)))) == 2
+def test_both_workers_work_at_a_time(address, tmp_path):
+    met = set(Cluster(address, chunk=1).map(meet, [str(tmp_path)] * 2))
+    assert len(met - {None}) == 2
 
 
 def test_an_item_that_fails_costs_itself_only_on_a_cluster(address):

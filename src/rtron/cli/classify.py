@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rtron.cli.executor import ClusterAddress, ProcessCount, chosen_executor
 from rtron.cli.options import Output
 from rtron.cli.outcome import STDOUT, Outcome
 from rtron.cli.progress import shown_progress
 from rtron.cli.repositories import Readmes, left_out
-from rtron.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from rtron.executors import Executor
     from rtron.functions.classification import Classification
-    from rtron.functions.executors import Executor
     from rtron.functions.reading import Note
     from rtron.functions.repository import Repository
 
@@ -38,14 +38,8 @@ def classify(
     table: Annotated[
         bool, typer.Option("--table", help="Print the paper's two tables instead.")
     ] = False,
-    jobs: Annotated[
-        int | None,
-        typer.Option("--jobs", "-j", min=1, metavar="N", help="Work in N processes."),
-    ] = None,
-    cluster: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Work on a Dask cluster that you trust."),
-    ] = None,
+    jobs: ProcessCount = None,
+    cluster: ClusterAddress = None,
     output: Output = STDOUT,
 ) -> Outcome:
     """Find which robot functions repositories have.
@@ -64,11 +58,13 @@ def classify(
 
     Exit code: 0 classified, 2 nothing can be read.
     """
+    from rtron.executors.window import CHUNK  # noqa: PLC0415 - the guard starts without it
     from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
 
     with left_out() as left:
         repositories = read_repositories(source, readmes, left)
-        executor = _executor(len(repositories), jobs, cluster)
+        worth = len(repositories) > _FEW
+        executor = chosen_executor(jobs, cluster, chunk=CHUNK, worth=worth)
         found = list(_classified(repositories, executor, left))
     if table:
         from rtron.functions.tables import count  # noqa: PLC0415 - the guard starts without it
@@ -78,24 +74,11 @@ def classify(
     return Outcome(_as_lines(found), to=output)
 
 
-def _executor(number: int, jobs: int | None, cluster: str | None) -> "Executor":
-    from rtron.functions.executors import Cluster, Here, Processes  # noqa: PLC0415 - the guard starts without it
-    from rtron.sources.static.options import default_workers  # noqa: PLC0415 - the guard starts without it
-
-    if cluster and jobs:
-        help = "leave one of the two out: a cluster has its own workers"
-        raise InputError("both --cluster and --jobs are given", help=help)
-    if cluster:
-        return Cluster(cluster)
-    count = jobs or (1 if number <= _FEW else default_workers())
-    return Processes(count) if count > 1 else Here()
-
-
 def _classified(
     repositories: "list[Repository]", executor: "Executor", left: "Note"
 ) -> "Iterator[Classification]":
+    from rtron.executors import Failed  # noqa: PLC0415 - the guard starts without it
     from rtron.functions.classify import classify as classified  # noqa: PLC0415 - the guard starts without it
-    from rtron.functions.executors import Failed  # noqa: PLC0415 - the guard starts without it
     from rtron.functions.reading import Skipped  # noqa: PLC0415 - the guard starts without it
 
     known = len(repositories)

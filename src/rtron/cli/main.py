@@ -26,6 +26,7 @@ from rtron.cli.scan import scan
 from rtron.cli.schema import schema
 from rtron.cli.serve import serve
 from rtron.cli.settings import settings
+from rtron.cli.survey import survey
 from rtron.cli.token import token
 from rtron.cli.upload import upload
 from rtron.cli.user import user
@@ -48,6 +49,7 @@ COMMANDS = (
     explain,
     classify,
     explain_class,
+    survey,
     mission,
     schema,
 )

@@ -21,21 +21,25 @@ _LATER_SENTENCE = 0.6
 _README_START = 3
 _README_LATER = 0.15
 _MARGIN = 0.3
+_SURE = 4.3
 
 
 def classify(repository: Repository) -> Classification:
     """Return a repository's functions; the first piece that decides ends the search for the first.
 
-    A repository of several packages has those functions too that its packages have.
+    A name that tells weakly is believed if the manifests do not outweigh it. A repository of
+    several packages has those functions too that its packages have.
     """
     packages = {package.name: package_scores(package) for package in repository.packages}
-    weighed = Scores()
+    weighed, leading, told_by = Scores(), None, DecidedBy.NONE
     for piece, more in _pieces(repository, packages):
         weighed += more()
-        primary = _decided(weighed)
-        if primary:
-            functions = union(primary, weighed, functional(packages))
-            return _classified(repository, functions, DecidedBy(piece), weighed, packages)
+        leader = _decided(weighed)
+        if leader is not leading:
+            leading, told_by = leader, DecidedBy(piece)
+        if leader and (piece is not Piece.NAME or weighed.weights[leader] >= _SURE):
+            functions = union(leader, weighed, functional(packages))
+            return _classified(repository, functions, told_by, weighed, packages)
     return _classified(repository, (), DecidedBy.NONE, weighed, packages)
 
 

@@ -50,7 +50,7 @@ def _lines(rows: Sequence[AppRow], counts: Sequence[CategoryCount], page: Page) 
         yield from _app(row, page)
     if counts:
         yield from heading(f"{counted(len(rows), 'app')}, beside the paper's {PAPERS_APPS}")
-        yield from columns(list(_counted(counts, len(rows))), ("", "bold", "dim", "dim"), indent=2)
+        yield from columns(category_rows(counts, len(rows)), ("", "bold", "dim", "dim"), indent=2)
 
 
 def _app(row: AppRow, page: Page) -> Iterator[Text]:
@@ -62,11 +62,15 @@ def _app(row: AppRow, page: Page) -> Iterator[Text]:
     yield from paragraph(said or "no function is known", page, indent=2, style="dim")
 
 
-def _counted(counts: Iterable[CategoryCount], apps: int) -> Iterator[tuple[str, ...]]:
-    yield "category", "here", "paper", "its functions"
-    for each in counts:
-        here, there = _share(each.apps, apps), _share(each.paper, PAPERS_APPS)
-        yield " / ".join(each.categories), here, there, _set(each)
+def category_rows(counts: Iterable[CategoryCount], apps: int) -> list[tuple[str, ...]]:
+    """Return the rows of a table: how many of so many apps are of each category, here and there."""
+    heads = ("category", "here", "paper", "its functions")
+    return [heads, *(_counted(each, apps) for each in counts)]
+
+
+def _counted(count: CategoryCount, apps: int) -> tuple[str, ...]:
+    here, there = _share(count.apps, apps), _share(count.paper, PAPERS_APPS)
+    return " / ".join(count.categories), here, there, _set(count)
 
 
 def _share(number: int, of: int) -> str:

@@ -19,7 +19,7 @@ _IGNORED = frozenset({"CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE"})
 
 def read_folders(top: Path, note: Note) -> Iterator[Repository]:
     """Yield the repository in a folder, or those in its folders; what cannot be read is noted."""
-    for folder in _repositories(top):
+    for folder in repository_folders(top):
         repository = _repository(folder, note)
         if repository.packages:
             yield repository
@@ -27,7 +27,7 @@ def read_folders(top: Path, note: Note) -> Iterator[Repository]:
             note(Skipped(place=str(folder), why=f"has no {MANIFEST}"))
 
 
-def _repositories(top: Path) -> list[Path]:
+def repository_folders(top: Path) -> list[Path]:
     """Return `top` if it is one repository, else its folders.
 
     It is one if it has .git or a package.xml, or a README and no folder in it has .git.

@@ -20,14 +20,15 @@ _ROS2_ELEMENTS = frozenset({"executable", "let", "node_container", "push-ros-nam
 class ListedLaunch:
     """A launch file: the package it lies in, empty where it lies in none, and its arguments.
 
-    `required` are those without a value or default, `optional` those with a default. `fault` says
-    why a file cannot be read.
+    `required` are those without a value or default, `optional` those with a default. `includes` are
+    the files that it includes, as they are spelled. `fault` says why a file cannot be read.
     """
 
     path: Path
     package: str = ""
     required: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
+    includes: tuple[str, ...] = ()
     fault: str = ""
 
 
@@ -70,6 +71,7 @@ def _listed(path: Path, package: str) -> ListedLaunch | None:
         package=package,
         required=tuple(name for name in names if name not in optional),
         optional=tuple(name for name in names if name in optional),
+        includes=tuple(str(tag.get("file")) for tag in launch.iter("include")),
     )
 
 

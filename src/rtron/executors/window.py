@@ -5,9 +5,10 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any, Protocol
 
-from rtron.functions.executors.executor import Failed, Item, Result, attempt_all
+from rtron.executors.executor import Failed, Item, Result, attempt_all
 
 CHUNK = 16
+"""Items that go to a worker together: as many as make the way worth it, one if each is long."""
 AHEAD = 3
 """Chunks that are on their way for each worker."""
 
@@ -30,7 +31,7 @@ class Workers(Protocol):
 
 
 def in_order(
-    workers: Workers, function: Callable[[Item], Result], items: Iterable[Item]
+    workers: Workers, function: Callable[[Item], Result], items: Iterable[Item], chunk: int = CHUNK
 ) -> Iterator[Result | Failed]:
     """Yield each item's result in the items' order, with AHEAD chunks for each worker under way.
 
@@ -38,17 +39,17 @@ def in_order(
     has failed.
     """
     under_way: deque[tuple[list[Item], Callable[[], Any]]] = deque()
-    for chunk in _chunks(items):
-        under_way.append((chunk, workers.submit(attempt_all, function, chunk)))
+    for part in _chunks(items, chunk):
+        under_way.append((part, workers.submit(attempt_all, function, part)))
         if len(under_way) >= AHEAD * workers.count:
             yield from _results(workers, function, *under_way.popleft())
     while under_way:
         yield from _results(workers, function, *under_way.popleft())
 
 
-def _chunks(items: Iterable[Item]) -> Iterator[list[Item]]:
+def _chunks(items: Iterable[Item], size: int) -> Iterator[list[Item]]:
     iterator = iter(items)
-    while chunk := list(islice(iterator, CHUNK)):
+    while chunk := list(islice(iterator, size)):
         yield chunk
 
 

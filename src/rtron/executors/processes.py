@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any
 
-from rtron.functions.executors.executor import Failed, Item, Result
-from rtron.functions.executors.window import LostError, in_order
+from rtron.executors.executor import Failed, Item, Result
+from rtron.executors.window import CHUNK, LostError, in_order
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,13 +18,14 @@ class Processes:
     """An Executor of `count` processes; they are started for each map and end with it."""
 
     count: int
+    chunk: int = CHUNK
 
     def map(
         self, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> Iterator[Result | Failed]:
         """Yield each item's result, as Executor says."""
         with closing(_Pool(self.count)) as pool:
-            yield from in_order(pool, function, items)
+            yield from in_order(pool, function, items, self.chunk)
 
 
 class _Pool:

@@ -10,8 +10,8 @@ from urllib.parse import urlsplit
 
 from rtron import __version__
 from rtron.errors import InputError, SourceError
-from rtron.functions.executors.executor import Failed, Item, Result
-from rtron.functions.executors.window import LostError, in_order
+from rtron.executors.executor import Failed, Item, Result
+from rtron.executors.window import CHUNK, LostError, in_order
 
 _SCHEMES = frozenset({"tcp", "tls"})
 _LONGEST = 80
@@ -27,6 +27,7 @@ class Cluster:
     """
 
     address: str
+    chunk: int = CHUNK
     seconds: float = 10.0
 
     def map(
@@ -43,7 +44,7 @@ class Cluster:
             raise InputError(f"{self.address[:_LONGEST]!r} is no cluster's address", help=help)
         with self._client(dask) as client:
             count = sum(client.nthreads().values())
-            yield from in_order(_Workers(dask, client, count), function, items)
+            yield from in_order(_Workers(dask, client, count), function, items, self.chunk)
 
     @contextmanager
     def _client(self, dask: Any) -> Iterator[Any]:  # noqa: ANN401 - Dask has no types here

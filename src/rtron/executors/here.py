@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 
-from rtron.functions.executors.executor import Failed, Item, Result, attempt
+from rtron.executors.executor import Failed, Item, Result, attempt
 
 
 class Here:

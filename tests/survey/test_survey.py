@@ -1,0 +1,77 @@
+"""Every app below a folder is scanned, here and on a cluster."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rtron.errors import InputError
+from rtron.survey.subjects import subjects
+
+sys.path.append(str(Path(__file__).parents[1] / "functions"))
+from local_cluster import local_cluster
+
+APPS = ["drive/drive_base/launch/two.launch", "other/other_app/launch/one.launch"]
+
+
+def survey(*arguments):
+    command = [sys.executable, "-m", "rtron", "survey", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_an_app_is_a_launch_file_that_no_other_includes_and_that_needs_nothing(repositories):
+    left = []
+    assert [each.app for each in subjects(repositories, left.append)] == APPS
+    asks, broken = left
+    assert str(asks) == "drive/drive_base/launch/asks.launch: needs the arguments robot"
+    assert broken.place == "drive/drive_base/launch/broken.launch"
+
+
+def test_a_folder_that_is_not_there(tmp_path):
+    with pytest.raises(InputError):
+        list(subjects(tmp_path / "none", print))
+
+
+def test_each_app_is_a_line(repositories):
+    ran = survey(repositories)
+    assert ran.returncode == 0, ran.stderr
+    two, one = map(json.loads, ran.stdout.splitlines())
+    assert [two["app"], one["app"]] == APPS
+    assert (two["nodes"], one["nodes"]) == (3, 2)
+    assert two["risks"]["GR-ST"] == 1
+    assert one["risks"]["GR-ST"] == 0
+    assert two["coordination_nodes"]["grcn"] == 1
+    assert "asks.launch: needs the arguments robot" in ran.stderr
+
+
+def test_the_lines_of_processes_and_of_a_cluster_are_the_same(repositories):
+    pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
+    alone = survey(repositories, "--jobs", "1")
+    with local_cluster() as address:
+        together = survey(repositories, "--cluster", address)
+    processes = survey(repositories, "--jobs", "2")
+    assert alone.stdout.count("\n") == len(APPS)
+    assert together.stdout == processes.stdout == alone.stdout
+
+
+def test_the_table_counts_apps(repositories, tmp_path):
+    table = tmp_path / "table.txt"
+    ran = survey(repositories, "--table", "-o", table)
+    assert ran.returncode == 0, ran.stderr
+    text = table.read_text()
+    assert text.startswith("2 apps\n")
+    assert "GR-ST  1 (50.0%)" in text
+
+
+def test_a_folder_without_apps_is_an_error(tmp_path):
+    ran = survey(tmp_path)
+    assert (ran.returncode, ran.stdout) == (2, "")
+    assert "no app can be scanned" in ran.stderr
+
+
+def test_both_a_cluster_and_processes_are_an_error(repositories):
+    ran = survey(repositories, "--jobs", "2", "--cluster", "tcp://127.0.0.1:1")
+    assert ran.returncode == 2
+    assert "both --cluster and --jobs" in ran.stderr
