@@ -1,9 +1,13 @@
 """The console in a real browser, against the real service and a simulated guard."""
 
+import json
+
 import pytest
-from console_robot import large_graph
+from console_robot import GRAPH, large_graph
 from selenium.webdriver.common.keys import Keys
 
+from rtron.functions.nodes import with_functions
+from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import EventKind, Level
 
 
@@ -235,12 +239,13 @@ def test_an_override_counts_down_and_can_be_ended(guard, page):
 
 
 def test_the_graph_lights_what_belongs_to_a_node_and_shows_rates(console, guard, page):
-    console.upload()
+    console.upload(data=json.dumps(graph_to_json(with_functions(GRAPH))).encode())
     page.login("ada", "robots/turtle1/graph")
     field = page.named("Search nodes and topics")
     field.send_keys("control_lane", Keys.ENTER)
     page.sees("Publishes", ".detail")
     page.sees("/cmd_vel", ".detail")
+    page.sees("Path Tracking Control", ".detail")
     page.until(lambda: any("/s" in each.text for each in page.all(".edge .rate")), "rates")
     lit = [each.get_attribute("aria-label") for each in page.all(".lit > .press")]
     assert "node /control_lane" in lit

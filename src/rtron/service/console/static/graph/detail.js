@@ -19,7 +19,7 @@ const Risks = ({ robot, risks }) => risks.length > 0 && html`<h3>Risks</h3>${[..
 
 function NodePart({ robot, model, name, show }) {
   const node = model.nodes.get(name), said = (publishes) => node.ends.filter((e) => e.publishes === publishes).map((e) => e.topic.name);
-  return html`<h2>${name}</h2><p class="soft">${node.package || "package not known"} · ${node.trust.replace("_", " ")}</p>
+  return html`<h2>${name}</h2><p class="soft">${node.package || "package not known"} · ${node.trust.replace("_", " ")}</p>${node.function && html`<p>${node.function} <span class="soft">${node.domain}</span></p>`}
     <${Names} title="Publishes" kind="topic" names=${said(true)} show=${show} /><${Names} title="Subscribes" kind="topic" names=${said(false)} show=${show} /><${Risks} robot=${robot} risks=${node.risks} />`;
 }
 

@@ -35,7 +35,7 @@ function drawBox(b) {
 
 const DRAW = {
   node(b) {
-    const { node } = b, body = shape("g", { class: ["press", "pill", node.trust, ...node.marks].join(" ") }, title(`${node.name}\n${node.package || "package not known"} · ${node.trust}`), frame(b, 15), words(b.label, { "text-anchor": "middle", class: "name" }));
+    const { node } = b, body = shape("g", { class: ["press", "pill", node.trust, ...node.marks].join(" ") }, title(`${node.name}\n${node.package || "package not known"} · ${node.trust}${node.function && `\n${node.function}`}`), frame(b, 15), words(b.label, { "text-anchor": "middle", class: "name" }));
     return [pressable(body, { kind: "node", name: node.name }, `node ${node.name}`)];
   },
   topics(b) {
