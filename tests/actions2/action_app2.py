@@ -5,6 +5,7 @@ import time
 from contextlib import suppress
 
 import rclpy
+from action_msgs.msg import GoalStatus
 from harness import wait_for
 from plans import grcn, plan_of
 from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
@@ -18,7 +19,16 @@ from rtron.guard.loop import Loop
 from rtron.guard.senses import senses_of
 from rtron.guard.transport.ros2.transport import Ros2Transport
 from rtron.guard.will import Will
-from rtron.vocabulary import SECOND, PolicyName, StreamKind, flow_topic, output_topic, streams
+from rtron.vocabulary import (
+    SECOND,
+    ActionEnd,
+    PolicyName,
+    StreamKind,
+    end_name,
+    flow_topic,
+    output_topic,
+    streams,
+)
 from rtron.wire.ros2.session import Session
 
 ACTION, SERVER, ONE, TWO = "/fib", "/server", "/one", "/two"
@@ -60,6 +70,20 @@ class Participant:
     def _spin(self):
         with suppress(rclpy.executors.ExternalShutdownException):
             self.executor.spin()
+
+
+class Liar(Participant):
+    """Tells no status and takes no goals; says of every goal that it has succeeded."""
+
+    def __init__(self, domain, name):
+        super().__init__(name, domain)
+        service = end_name(output_topic(ACTION), ActionEnd.GET_RESULT)
+        self.end = self.node.create_service(Fibonacci.Impl.GetResultService, service, self._answer)
+        self.start()
+
+    def _answer(self, _request, response):
+        response.status = GoalStatus.STATUS_SUCCEEDED
+        return response
 
 
 class Server(Participant):
@@ -136,6 +160,7 @@ class Client(Participant):
             future.add_done_callback(lambda done, order=order: self._admitted(order, done.result()))
 
     def cancel(self, order):
+        wait_for(lambda: order in self.handles, what="the goal's acceptance")
         return self.handles[order].cancel_goal_async()
 
     def cancel_raw(self, **info):

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 pytest.importorskip("rclpy")
-from action_app2 import ACTION, ONE, SERVER, TWO, TYPE, Client, Guard, Server, settle
+from action_app2 import ACTION, ONE, SERVER, TWO, TYPE, Client, Guard, Liar, Server, settle
 from action_msgs.msg import GoalInfo, GoalStatusArray
 from harness import wait_for
 from rclpy.qos import qos_profile_action_status_default
@@ -191,7 +191,7 @@ def test_a_guard_that_is_restarted_answers_the_goals_of_the_one_before(app2):
     wait_for(lambda: app.server.started, what="the goal")
     app.two.ask(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
-    wait_for(lambda: len(json.loads(app.wills[-1]).get("results /fib", ())) == 2, what="the will")
+    wait_for(lambda: goals_in_will(app) == 2, what="the will")
     app.end(app.guard)
     app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
     wait_for(lambda: app.two.answers[2], what="the answer to the goal that waited")
@@ -215,7 +215,7 @@ def test_the_goals_of_the_guard_before_are_answered_though_the_server_comes_late
     wait_for(lambda: app.server.started, what="the goal")
     app.two.ask(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
-    wait_for(lambda: len(json.loads(app.wills[-1]).get("results /fib", ())) == 2, what="the will")
+    wait_for(lambda: goals_in_will(app) == 2, what="the will")
     app.end(app.guard)
     app.end(app.server)
     app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
@@ -311,7 +311,7 @@ def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(
     app = app2()
     app.one.ask(1)
     wait_for(lambda: app.server.started, what="the goal")
-    wait_for(lambda: len(json.loads(app.wills[-1]).get("results /fib", ())) == 1, what="the will")
+    wait_for(lambda: goals_in_will(app) == 1, what="the will")
     app.end(app.guard)
     app.keep(Server(app.domain, "/mallory"))
     app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
@@ -319,6 +319,25 @@ def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(
     wait_for(lambda: action.server and action.doubt, what="the first and the second")
     app.guard.do(lambda: action.brake("a test", "a person is there"))
     wait_for(lambda: app.server.cancels, what="the cancel")
+
+
+def test_who_only_answers_for_results_ends_no_goal(app2):
+    app = app2()
+    app.one.ask(1)
+    wait_for(lambda: app.server.started, what="the goal")
+    wait_for(lambda: goals_in_will(app) == 1, what="the will")
+    app.end(app.guard)
+    app.keep(Liar(app.domain, "/mallory"))
+    app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
+    action = app.guard.action
+    wait_for(lambda: action.server, what="the server")
+    wait_for(lambda: action.doubt == "/mallory answers in its place", what="the liar")
+    app.guard.do(lambda: action.brake("a test", "a person is there"))
+    wait_for(lambda: app.server.cancels, what="the cancel")
+
+
+def goals_in_will(app):
+    return len(json.loads(app.wills[-1]).get("results /fib", ())) if app.wills else 0
 
 
 OWN = MessageDefinition(type=TYPE, definition="int32 order\n")

@@ -40,9 +40,14 @@ class Ros2ServiceEnd:
         return self.gid[:PARTICIPANT]
 
 
+def replies_of(service: str) -> str:
+    """Return DDS's name of the topic on which a service is answered."""
+    return f"rr{service}Reply"
+
+
 def servers_of(node: Node, service: str) -> list[Ros2ServiceEnd]:
     """Return who offers a service now; nobody where the RMW is no DDS."""
-    replies = node.get_publishers_info_by_topic(f"rr{service}Reply", no_mangle=True)
+    replies = node.get_publishers_info_by_topic(replies_of(service), no_mangle=True)
     return list(_ends(service, replies, serves=True))
 
 

@@ -19,6 +19,7 @@ from rtron.guard.transport.ros2.bell import Bell
 from rtron.guard.transport.ros2.lives import Life
 from rtron.vocabulary import REQUESTED, SECOND, TOLD, ActionEnd, end_name, names_node
 from rtron.wire.ros2.endpoints import PARTICIPANT
+from rtron.wire.ros2.services import replies_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,7 +40,8 @@ class Back:
 
     It comes when all of its services answer and one planned node, whose name is its own, tells the
     status; it stays for as long as that one's endpoint is there, whoever comes beside it. Who
-    answers a request, ROS 2 does not say: while others offer to serve, the server is in doubt.
+    answers a request, ROS 2 does not say: while others offer to serve, or to answer, the server is
+    in doubt. DDS makes known who can answer before the answer can come.
     """
 
     def __init__(
@@ -69,7 +71,8 @@ class Back:
             self._ring("client", client.handle, partial(self._answers, end))
         for end in TOLD:
             self._listen(end)
-        around.shared.graph.watch(end_name(self._action, ActionEnd.STATUS))
+        for topic in (end_name(self._action, ActionEnd.STATUS), *map(self._replies, REQUESTED)):
+            around.shared.graph.watch(topic)
         around.shared.graph.changed.append(self._look)
 
     def close(self) -> None:
@@ -136,6 +139,8 @@ class Back:
             number, response = taken
             take = self._open_requests.pop((end, number), None)
             if take and self._server:
+                self._around.shared.graph.ask(self._replies(end))
+                self._tell_doubt(self._listed())
                 take(response)
 
     def _listen(self, end: ActionEnd) -> None:
@@ -170,13 +175,16 @@ class Back:
             self._server = None
             self._open_requests.clear()
             self._hears.server_left()
+        self._tell_doubt(listed)
+        if server and self._server is None:
+            self._come(server)
+
+    def _tell_doubt(self, listed: list[Ros2Endpoint]) -> None:
         doubt = self._why_doubted(listed)
         self._say_once(doubt)
         if doubt != self._doubt:
             self._doubt = doubt
             self._hears.server_doubted(doubt)
-        if server and self._server is None:
-            self._come(server)
 
     def _come(self, server: Ros2Endpoint) -> None:
         """Follow a server from now on."""
@@ -189,9 +197,15 @@ class Back:
 
     def _listed(self) -> list[Ros2Endpoint]:
         """Return everybody who lives and offers to serve."""
+        return self._living(end_name(self._action, ActionEnd.STATUS))
+
+    def _living(self, topic: str) -> list[Ros2Endpoint]:
         shared = self._around.shared
-        ends = shared.graph.ends(end_name(self._action, ActionEnd.STATUS)).publishers
+        ends = shared.graph.ends(topic).publishers
         return [each for each in ends if shared.lives.of(each.participant) is not Life.GONE]
+
+    def _replies(self, end: ActionEnd) -> str:
+        return replies_of(end_name(self._action, end))
 
     def _found(self, listed: list[Ros2Endpoint]) -> Ros2Endpoint | None:
         """Return the server in force while it is there, else the one that is in the right."""
@@ -214,7 +228,12 @@ class Back:
         if len(listed) > 1:
             return f"{len(listed)} nodes serve it: none is sent a goal"
         wrong = next((each for each in listed if each.node and not self._is_right(each)), None)
-        return f"{shown(wrong.node)} is not the planned server" if wrong else ""
+        if wrong:
+            return f"{shown(wrong.node)} is not the planned server"
+        serving = {each.participant for each in listed}
+        ends = (each for end in REQUESTED for each in self._living(self._replies(end)))
+        beside = next((each for each in ends if serving and each.participant not in serving), None)
+        return f"{shown(beside.node) or 'a node'} answers in its place" if beside else ""
 
     def _ring(self, kind: str, handle: Any, take: Callable[[int], None]) -> None:  # noqa: ANN401
         bell = Bell(self._around.shared.loop, take)

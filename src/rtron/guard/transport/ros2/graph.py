@@ -60,7 +60,7 @@ class Graph:
     def __init__(self, loop: Loop, session: Session, rcl: Rcl) -> None:
         self._loop = loop
         self._node = session.node(GUARD_NODE)
-        self._listing = Listing(self._node)
+        self._listing, self._raw = Listing(self._node), Listing(self._node, raw=True)
         self._rcl = rcl
         self._ends: dict[str, Ends] = {}
         self.changed: list[Callable[[], None]] = []
@@ -78,7 +78,7 @@ class Graph:
         self._look_again()
 
     def watch(self, topic: str) -> None:
-        """Know about a topic from now on."""
+        """Know about a topic from now on; one without a slash in front is the middleware's own."""
         if topic not in self._ends:
             self._ends[topic] = _NOBODY
             self._soon()
@@ -104,6 +104,10 @@ class Graph:
         if now < max(self._rests_until, self._looked.get(topic, -_PAUSE) + _PAUSE):
             return self.ends(topic)
         self._looked[topic] = now
+        return self.ask(topic)
+
+    def ask(self, topic: str) -> Ends:
+        """Ask the domain about one topic, whatever it costs."""
         with self._resting_after():
             ends = self._asked(topic)
         if ends != self._ends.get(topic):
@@ -158,7 +162,8 @@ class Graph:
     def _others(
         self, topic: str, direction: Direction, known: tuple[Ros2Endpoint, ...]
     ) -> tuple[Ros2Endpoint, ...]:
-        return self._listing.ends(topic, direction, known, self.participant)
+        listing = self._listing if topic.startswith("/") else self._raw
+        return listing.ends(topic, direction, known, self.participant)
 
     def _soon(self) -> None:
         """Refresh in a moment: changes come in crowds."""
