@@ -29,6 +29,21 @@ def runtime_folder():
 
 
 @pytest.fixture
+def deep_folder(tmp_path):
+    """Return what makes 1,200 folders in each other: deeper than Python calls, or removes."""
+    made = []
+
+    def dig(top):
+        made.extend(top.joinpath(*["d"] * depth) for depth in range(1, 1201))
+        for folder in made:
+            folder.mkdir()
+
+    yield dig
+    for folder in reversed(made):
+        folder.rmdir()
+
+
+@pytest.fixture
 def ros1(tmp_path):
     """Run a master of the test's own."""
     with Ros1(tmp_path) as running:

@@ -165,12 +165,52 @@ def test_a_folder_of_several_names_them(rtron, folder):
     (folder.parent / "b/package.xml").write_text("<package><name>b</name></package>")
     ran = rtron("explain-class", folder.parent)
     assert ran.code == 2
-    assert "holds 2 repositories: b, grid_mapping" in ran.err
+    rows = ran.err.splitlines()
+    assert rows[0].endswith("holds 2 repositories: b, grid_mapping")
+    assert rows[1] == f"help: rtron explain-class --from {folder.parent} NAME"
+
+
+@pytest.mark.parametrize(
+    ("number", "said"), [(5, ": r0, r1, r2, r3, r4"), (6, ": r0, r1, r2, r3, r4, …")]
+)
+def test_of_many_repositories_the_first_five_are_named(rtron, tmp_path, number, said):
+    for name in range(number):
+        (tmp_path / f"r{name}").mkdir()
+        (tmp_path / f"r{name}/package.xml").write_text("<package><name>a</name></package>")
+    ran = rtron("explain-class", tmp_path)
+    assert ran.err.splitlines()[0].endswith(f"holds {number} repositories{said}")
+
+
+def test_a_package_is_found_in_its_repository(rtron, tmp_path):
+    path = tmp_path / "corpus.jsonl"
+    lines = [
+        {"repo": "first", "packages": [{"name": "amcl"}, {"name": "shared"}]},
+        {"repo": "second", "packages": [{"name": "shared"}, {"name": "first"}]},
+    ]
+    path.write_text("\n".join(map(json.dumps, lines)))
+    for name, home in (("amcl", "first"), ("shared", "first"), ("first", "first")):
+        ran = rtron("explain-class", "--from", path, name)
+        assert (ran.code, ran.out.split()[0]) == (0, home)
+        assert ran.err == (f"{name} is a package of {home}\n" if name != home else "")
+
+
+OFFERED = ["a-b.c_1+d@e", "größe"]
+HOSTILE = ["am$(touch x);id", "a b", "a'b", "`b`", "a\nb", "a\\b", "*", "~", "a|b", "\x1b[2J", "/a"]
+
+
+def test_a_shell_completes_names_after_the_file(rtron, corpus, monkeypatch):
+    monkeypatch.setenv("_RTRON_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", f"rtron explain-class --from {corpus} jo")
+    monkeypatch.setenv("COMP_CWORD", "4")
+    assert rtron().out == "joystick_teleop\n"
 
 
 def test_names_are_completed(corpus):
     said = SimpleNamespace(params={"source": str(corpus)})
     assert _complete(said, "jo") == ["joystick_teleop"]
+    corpus.write_text("\n".join(json.dumps({"repo": name}) for name in (*OFFERED, *HOSTILE)))
+    assert _complete(said, "") == OFFERED
+    assert _complete(said, "a") == OFFERED[:1]
     assert _complete(SimpleNamespace(params={"source": "absent.jsonl"}), "") == []
     assert _complete(SimpleNamespace(params={}), "") == []
 

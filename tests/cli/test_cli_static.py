@@ -220,3 +220,46 @@ def test_what_is_no_program_has_no_model(rtron, folder):
         ran = rtron("model", "draft", path)
         assert (ran.code, ran.out) == (2, "")
         assert "is no program's source" in ran.err
+
+
+def test_a_deep_folder_in_a_package_ends_nothing(rtron, folder, deep_folder):
+    deep_folder(folder / "scripts")
+    ran = rtron("scan", folder)
+    assert (ran.code, ran.err) == (0, "")
+    assert "cannot be read" in ran.out
+    found = rtron("scan", folder, *APP, "speed:=1", "--format", "graph", "--fail-on", "never")
+    assert (found.code, found.err) == (0, "")
+    nodes = {node["name"] for node in json.loads(found.out)["nodes"]}
+    assert nodes == {"/a", "/b", "/base", "/kind"}
+
+
+def test_files_with_names_that_no_file_can_have_are_unresolved(rtron, folder):
+    long = "n" * 5000
+    path = f"$(find robot)/{long}"
+    text = f'<launch><include file="{path}"/><rosparam file="{path}"/></launch>'
+    (folder / "launch/long.launch").write_text(text)
+    ran = rtron("scan", folder, "--launch", "robot/long.launch", "--fail-on", "never")
+    assert (ran.code, ran.err) == (0, "")
+    assert "File name too long" in ran.out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("scan", "PATH"),
+        ("scan", "PATH", "--launch", "a/b"),
+        ("scan", "PATH", "."),
+        ("plan", "PATH"),
+        ("replay", "PATH", "--plan", "x"),
+        ("survey", "PATH"),
+        ("classify", "PATH"),
+        ("explain-class", "PATH"),
+        ("explain-class", "x", "--from", "PATH"),
+        ("functions", "graph", "PATH"),
+        ("functions", "apps", "PATH"),
+    ],
+)
+def test_a_path_that_no_file_can_have_is_2(rtron, words):
+    ran = rtron(*(word.replace("PATH", "n" * 5000) for word in words))
+    assert (ran.code, ran.out) == (2, "")
+    assert "nnn: File name too long" in ran.err

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -41,3 +43,16 @@ def meet(folder):
             return os.getpid()
         time.sleep(0.01)
     return None
+
+
+def linger(folder):
+    """Put this process's id into a folder, and stay."""
+    (Path(folder) / str(os.getpid())).touch()
+    time.sleep(LIMIT)
+
+
+def linger_below(folder):
+    """Put the id of a process that this one has started into a folder, and wait for it."""
+    command = [sys.executable, "-c", f"import time; time.sleep({LIMIT})"]
+    with subprocess.Popen(command) as started:
+        (Path(folder) / str(started.pid)).touch()

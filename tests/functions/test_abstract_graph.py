@@ -89,7 +89,60 @@ def test_source_on_one_side_and_a_dependency_on_the_other_is_a_hint():
         use("a", F.TELEOPERATION, sends=[TWIST]), use("b", F.MOBILE, depends=["geometry_msgs"])
     )
     (first,) = found["Teleoperation", "Mobile"]
-    assert (first.basis, first.publishers, first.subscribers) == (Basis.MANIFEST, 1, 1)
+    assert first.basis is Basis.MANIFEST
+    assert (first.publishers, first.from_depends) == (1, 0)
+    assert (first.subscribers, first.to_depends) == (0, 1)
+
+
+def test_dependants_count_apart_from_what_was_read():
+    found = direct(
+        use("a", F.TELEOPERATION, sends=[TWIST], depends=["geometry_msgs"]),
+        use("b", F.TELEOPERATION, depends=["geometry_msgs"]),
+        use("c", F.MOBILE, hears=[TWIST]),
+    )
+    (first,) = found["Teleoperation", "Mobile"]
+    assert (first.basis, first.sides) == (Basis.SOURCE, (1, 1))
+    assert (first.from_depends, first.to_depends) == (2, 0)
+
+
+def test_types_are_counted_by_how_they_are_known():
+    graph = abstract_graph(
+        [
+            use("a", F.PATH_TRACKING, sends=[TWIST], depends=["ackermann_msgs"]),
+            use("b", F.MOBILE, hears=[TWIST], depends=["ackermann_msgs"]),
+            use("c", F.MANIPULATOR),
+        ]
+    )
+    read, told, assumed = (graph.known()[basis] for basis in Basis)
+    assert (read, told) == (1, 1)
+    assert assumed == sum(len(e.messages) for e in graph.direct) - 2 > 0
+
+
+NAVIGATE = "nav2_msgs/action/NavigateToPose"
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ((), False),
+        ((use("roscpp"), use("x", depends=["roscpp", "catkin"])), False),
+        ((use("rclcpp"),), True),
+        ((use("x", depends=["rclpy"]),), True),
+    ],
+)
+def test_types_of_ros_2_are_typical_only_where_it_is(more, expected):
+    found = direct(use("bt", F.GOAL_PLANNER), use("plans", F.PATH_PLANNING), *more)
+    types = [m.type for m in found["Goal Planner", "Path Planning"]]
+    assert (NAVIGATE in types) is expected
+    assert "move_base_msgs/MoveBaseActionGoal" in types
+
+
+def test_a_type_of_ros_2_that_is_read_counts_without_its_packages():
+    found = direct(
+        use("bt", F.GOAL_PLANNER, sends=[NAVIGATE]), use("p", F.PATH_PLANNING, hears=[NAVIGATE])
+    )
+    (first, *_) = found["Goal Planner", "Path Planning"]
+    assert (first.type, first.basis) == (NAVIGATE, Basis.SOURCE)
 
 
 @pytest.mark.parametrize("type", ["std_msgs/String", "std_msgs/Float64"])

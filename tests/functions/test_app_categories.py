@@ -147,10 +147,45 @@ def test_counts_join_the_categories_that_share_a_set():
 )
 def test_an_app_of_no_category_is_told_the_nearest(present, category, missing):
     found = nearest(present)
-    assert found.category == category
+    assert found.categories[0] == category
     lacks = {c.name: c.functions for c in categories()}[category] - present
-    assert set(found.missing) == lacks
-    assert missing is None or found.missing == missing
+    assert set(found.lack.missing) == lacks
+    assert missing is None or found.lack.missing == missing
+
+
+def test_categories_of_one_set_are_near_together():
+    found = nearest({F.RECOGNITION})
+    assert found.categories == ("Face/Person Detection", "Object/Scene Detection")
+
+
+def test_what_only_lacks_one_of_several_is_told_which():
+    """turtlebot3_teleop_key: a launch file of the teleoperation alone."""
+    found = nearest({F.TELEOPERATION})
+    assert found.categories == ("Remote Control",)
+    assert (found.lack.missing, found.lack.one_of) == ((), (F.MOBILE, F.MANIPULATOR))
+
+
+def test_one_of_several_counts_as_one_function():
+    found = nearest({F.MANIPULATOR})
+    assert found.categories == ("Remote Control",)
+    assert (found.lack.missing, found.lack.one_of) == ((F.TELEOPERATION,), ())
+    speaks = nearest({F.PREPROCESSING, F.SPEECH_GENERATION, F.SPEAKER})
+    assert speaks.categories == ("Voice Interaction",)
+    assert (speaks.lack.missing, speaks.lack.one_of) == ((F.RECOGNITION,), ())
+
+
+DRIVES_ITSELF = {F.PREPROCESSING, F.RECOGNITION, F.PATH_TRACKING, F.GOAL_PLANNER}
+
+
+def test_an_app_of_a_small_category_is_told_the_larger_one_that_it_nearly_is():
+    found = nearest(DRIVES_ITSELF)
+    assert found.categories == ("Object Search", "Autonomous Driving")
+    assert found.lack.missing == (F.LOCALIZATION, F.PATH_PLANNING, F.MOBILE)
+
+
+@pytest.mark.parametrize("present", [NAVIGATES, NAVIGATES | {F.TELEOPERATION}, set(F)])
+def test_a_category_that_fits_as_well_is_the_nearest_so_none_is_told(present):
+    assert nearest(present) is None
 
 
 @pytest.mark.parametrize("present", [set(), {F.VISUALIZATION, F.SENSORS}])
@@ -160,4 +195,5 @@ def test_nothing_is_near_an_app_without_any_of_the_functions(present):
 
 def test_an_app_of_a_category_has_no_nearest():
     assert app_row(graph(*SLAM_NODES, links=SLAM_LINKS)).nearest is None
-    assert app_row(graph(*SLAM_NODES[:2], links=SLAM_LINKS[:2])).nearest.category == "SLAM"
+    near = app_row(graph(*SLAM_NODES[:2], links=SLAM_LINKS[:2])).nearest
+    assert near.categories == ("SLAM",)

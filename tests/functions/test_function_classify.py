@@ -62,6 +62,21 @@ def test_the_name_is_asked_before_the_manifest():
     assert (found.primary, found.decided_by) == (T.SENSORS, DecidedBy.NAME)
 
 
+def test_a_weak_name_is_believed_if_the_manifest_does_not_outweigh_it():
+    alone = classify(repository("turtlebot_foo", ("turtlebot_foo", "Says nothing.")))
+    assert (alone.primary, alone.decided_by) == (T.MOBILE, DecidedBy.NAME)
+    outweighed = classify(repository("turtlebot_foo", ("turtlebot_foo", "Calibrates it.")))
+    assert (outweighed.primary, outweighed.decided_by) == (T.PREPROCESSING, DecidedBy.MANIFEST)
+    strong = classify(repository("turtlebot_driver", ("turtlebot_driver", "Calibrates it.")))
+    assert (strong.primary, strong.decided_by) == (T.MOBILE, DecidedBy.NAME)
+
+
+def test_a_weak_name_and_a_manifest_that_tell_alike_decide_nothing():
+    alike = classify(repository("turtlebot_foo", ("turtlebot_foo", "Serialization.")))
+    assert (alike.primary, alike.decided_by) == (None, DecidedBy.NONE)
+    assert {found.type for found in alike.evidence} == {T.MOBILE, T.EXTENSION}
+
+
 def test_the_manifest_is_asked_before_the_readme():
     found = classify(
         repository("foo", ("foo", "A driver for a laser scanner."), readme="Plans paths for arms.")
@@ -118,7 +133,21 @@ def test_a_rule_counts_in_its_pieces_only():
 
 def test_a_vetoed_rule_is_no_evidence():
     found = classify(repository("foo", ("foo", "A simulated lidar driver.")))
-    assert {one.rule for one in found.evidence} == {"visualization-simulation", "sensors-hint"}
+    assert {one.rule for one in found.evidence} == {"visualization-simulation"}
+
+
+def test_evidence_is_of_the_functions_and_each_has_some():
+    found = classify(
+        repository(
+            "acme_navigation",
+            ("acme_amcl", "Localizes a robot with a laser."),
+            ("acme_teleop", "Teleoperates it with a joystick."),
+            ("acme_planner", "A global path planner."),
+        )
+    )
+    assert {one.type for one in found.evidence} == set(found.functions)
+    assert T.TELEOPERATION in found.functions
+    assert {one.package for one in found.evidence if one.type is T.TELEOPERATION} == {"acme_teleop"}
 
 
 def test_a_hint_in_a_package_makes_no_function_of_the_stack():
@@ -142,12 +171,68 @@ def test_packages_of_messages_do_not_count_beside_others():
     assert classify(repository("foo", *messages)).functions == (T.EXTENSION,)
 
 
+def test_messages_of_many_kinds_are_one_function():
+    found = classify(repository("foo_msgs", ("turtlebot_msgs", ""), ("lidar_msgs", "")))
+    assert found.functions == (T.EXTENSION,)
+
+
+@pytest.mark.parametrize("name", ["test_joystick", "joystick_tests"])
+def test_packages_of_tests_do_not_count_beside_others(name):
+    planners = [("foo_local_planner", ""), ("foo_global_planner", "")]
+    assert classify(repository("foo_planner", *planners, (name, ""))).functions == (
+        T.PATH_PLANNING,
+    )
+    alone = classify(repository("foo", (name, ""), ("test_gamepad", "")))
+    assert alone.functions == (T.TELEOPERATION,)
+
+
+def test_the_robot_is_no_function_of_a_stack_that_is_for_it():
+    driver = ("turtlebot_driver", "Driver for a mobile base.")
+    worlds = [("turtlebot_gazebo", ""), ("turtlebot_worlds", "")]
+    assert classify(repository("turtlebot_simulator", *worlds, driver)).functions == (
+        T.VISUALIZATION,
+    )
+    assert set(classify(repository("turtlebot_robot", *worlds, driver)).functions) == {
+        T.MOBILE,
+        T.VISUALIZATION,
+    }
+    half = classify(repository("turtlebot_simulator", worlds[0], driver))
+    assert set(half.functions) == {T.VISUALIZATION, T.MOBILE}
+
+
+@pytest.mark.parametrize(("planners", "shown"), [(4, True), (5, False)])
+def test_a_gui_is_a_function_of_a_stack_without_a_driver_if_it_is_a_fifth(planners, shown):
+    packages = [(f"foo_{n}_local_planner", "") for n in "abcde"[:planners]]
+    found = classify(repository("foo_planner", *packages, ("foo_gui", "")))
+    assert (T.VISUALIZATION in found.functions) is shown
+
+
+def test_packages_named_after_a_robot_do_not_tell_what_the_stack_is():
+    named = [(f"turtlebot_{word}", "") for word in ("this", "that", "more")]
+    found = classify(repository("foo", *named, ("turtlebot_navigation", ""), ("foo_planner", "")))
+    assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecidedBy.MANIFEST)
+    assert classify(repository("foo", *named)).primary is None
+
+
+def test_two_hints_in_a_package_make_no_function_of_the_stack():
+    hinted = ("foo_laser_thing", "Something about a laser.")
+    found = classify(repository("foo_planner", ("foo_local_planner", ""), hinted))
+    assert found.packages["foo_laser_thing"] == (T.SENSORS,)
+    assert found.functions == (T.PATH_PLANNING,)
+
+
 def test_extension_counts_beside_another_if_many_packages_are():
     planners = [("foo_local_planner", ""), ("foo_global_planner", "")]
     few = repository("foo_planner", *planners, ("foo_base_planner", ""), ("catkin_foo", ""))
     many = repository("foo_planner", *planners, ("catkin_foo", ""), ("catkin_bar", ""))
     assert classify(few).functions == (T.PATH_PLANNING,)
     assert set(classify(many).functions) == {T.PATH_PLANNING, T.EXTENSION}
+
+
+def test_a_package_is_an_extension_if_it_is_nothing_else_more_clearly():
+    bridges = repository("rtt_foo", ("rtt_actionlib", ""), ("rtt_nodelet", ""))
+    assert classify(bridges).functions == (T.SUPPORT,)
+    assert set(classify_name("rtt_actionlib")) == {T.SUPPORT, T.EXTENSION}
 
 
 def test_a_stack_has_the_functions_of_its_packages():

@@ -2,6 +2,7 @@
 
 import pytest
 
+from rtron.functions.information import readme, sentences
 from rtron.functions.information.descriptions import description_tokens
 from rtron.functions.information.readme import clean, readme_tokens
 
@@ -69,6 +70,53 @@ def test_a_readme_is_bounded():
     assert len(clean("a " * 50_000)) <= 20_000
 
 
-@pytest.mark.parametrize("sign", ["`", "<", "![", "](", "# ", "=\n", "\n- ", "```", "http://"])
-def test_a_hostile_readme_is_read_in_time(sign):
-    list(readme_tokens(sign * 50_000))
+class Watched:
+    """A pattern that keeps how many characters it is given."""
+
+    def __init__(self, pattern, looked_at):
+        self.pattern = pattern
+        self.looked_at = looked_at
+
+    def __getattr__(self, name):
+        def call(*arguments):
+            self.looked_at.append(len(arguments[-1]))
+            return getattr(self.pattern, name)(*arguments)
+
+        return call
+
+
+@pytest.fixture
+def looked_at(monkeypatch):
+    """Return how many characters each look of a README's patterns got."""
+    found = []
+    patterns = [(readme, name) for name in ("_CODE", "_MARKUP", "_HEADING", "_USELESS_LINE")]
+    for module, name in (*patterns, (sentences, "_SENTENCE"), (sentences, "_RUN")):
+        monkeypatch.setattr(module, name, Watched(getattr(module, name), found))
+    return found
+
+
+SIGNS = [
+    "`",
+    "<",
+    "![",
+    "](",
+    "# ",
+    "#a\n",
+    "a\n==\n",
+    "=\n",
+    "\n- ",
+    "```",
+    "http://",
+    "a. ",
+    "\n ",
+    "a ",
+]
+
+
+@pytest.mark.parametrize("sign", SIGNS)
+def test_of_a_hostile_readme_a_bounded_part_is_looked_at(looked_at, sign):
+    words = [len(part.words) for part in readme_tokens(sign * 100_000)]
+    assert max(words, default=0) <= 60
+    assert len(words) <= 30
+    assert len(looked_at) <= 5 + 30
+    assert max(looked_at) <= 2 * 20_000 + 1  # headings get empty lines around them

@@ -81,12 +81,19 @@ def test_a_second_function_is_decided_by_the_first_piece_that_told_it():
         told(Piece.MANIFEST, MAP, "a"),
         told(Piece.NAME, PLAN),
     )
+    evidence += (told(Piece.NAME, MAP, "a"),)
     found = count([classified(DecidedBy.MANIFEST, SLAM, MAP, evidence=evidence)])
     assert found.types[SLAM] == Tally(manifest=1)
     assert found.types[MAP] == Tally(manifest=1)
     assert found.types[PLAN] == Tally()
     (readme,) = {each for each in found.types.values() if each.readme} or {None}
     assert readme is None
+
+
+def test_the_name_of_a_package_stands_in_its_manifest():
+    evidence = (told(Piece.NAME, SLAM), told(Piece.NAME, MAP, "a"))
+    found = count([classified(DecidedBy.NAME, SLAM, MAP, evidence=evidence)])
+    assert (found.types[SLAM], found.types[MAP]) == (Tally(name=1), Tally(manifest=1))
 
 
 def test_nothing_at_all():

@@ -38,7 +38,7 @@ def test_its_types_are_all_there_are():
     ["\n\n" * 32_000, ("\n" + " ") * 32_000, "![" * 32_000, "# " * 32_000, " " * 64_000 + "x"],
     ids=["lines", "blanks", "images", "headings", "spaces"],
 )
-def test_a_readme_that_is_made_to_be_slow_tells_nothing(text):
+def test_a_readme_of_signs_only_tells_nothing(text):
     package = Package(name="qqq", description=text)
     found = classify(Repository(name="zzz", packages=(package,), readme=text))
     assert found.primary is None

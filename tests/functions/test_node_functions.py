@@ -256,3 +256,17 @@ def test_the_graph_is_otherwise_as_it_was_and_a_second_time_changes_nothing():
     )
     assert (once.endpoints, once.app) == (graph.endpoints, graph.app)
     assert with_functions(once) == once
+
+
+def test_a_given_function_keeps_the_others_that_fit_to_it():
+    node = Node(name="/foo")
+    graph = app(node, sends=[TWIST], hears=[GOAL, SCAN])
+    first = functions_of_nodes(graph)["/foo"].functions
+    again = functions_of_nodes(with_functions(graph))["/foo"].functions
+    assert again == first == (F.PATH_PLANNING, F.PATH_TRACKING)
+
+
+def test_a_given_function_stands_alone_where_nothing_fits_to_it():
+    node = Node(name="/foo", function=F.SPEAKER)
+    found = functions_of_nodes(app(node, sends=[TWIST], hears=[GOAL, SCAN]))["/foo"]
+    assert found == NodeFunctions(functions=(F.SPEAKER,), told_by=ToldBy.GIVEN)

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import pytest
 
 from rtron.errors import InputError
+from rtron.functions.reading import fields, read_repositories
 from rtron.functions.reading import lines as lines_module
 from rtron.functions.reading import read as read_module
-from rtron.functions.reading import read_repositories
 from rtron.functions.reading.fields import MAX_NAME, MAX_TEXT
 from rtron.functions.reading.lines import MAX_LINE
 from rtron.functions.reading.skipped import MAX_SKIPPED
@@ -179,6 +179,24 @@ def test_a_file_has_a_size_and_a_number_of_repositories(read, monkeypatch):
     assert len(read(b'{"repo":"a"}'.ljust(100))) == 1
     with pytest.raises(InputError, match="larger than 0 MiB"):
         read(b'{"repo":"a"}'.ljust(101))
+
+
+def test_the_packages_of_a_line_are_bounded(read, noted, monkeypatch):
+    monkeypatch.setattr(fields, "MAX_PACKAGES", 2)
+    packages = [{"name": name} for name in "ab"]
+    assert len(read({"repo": "r", "packages": packages})[0].packages) == 2
+    assert noted == []
+    found = read({"repo": "r", "packages": [*packages, "not looked at"]}, {"repo": "s"})
+    assert [len(each.packages) for each in found] == [2, 0]
+    assert noted == ["corpus.jsonl:1: has more than 2 packages; the others are left out"]
+
+
+def test_the_packages_of_all_lines_are_bounded(read, monkeypatch):
+    monkeypatch.setattr(read_module, "MAX_PACKAGES", 3)
+    two = {"repo": "r", "packages": [{"name": "a"}, {"name": "b"}]}
+    assert len(read(two, {"repo": "s", "packages": [{"name": "c"}]})) == 2
+    with pytest.raises(InputError, match="more than 3 packages"):
+        read(two, {**two, "repo": "s"})
 
 
 def test_a_file_that_is_not_there(tmp_path):

@@ -1,7 +1,8 @@
 import pytest
+import yaml
 
 from rtron.errors import InputError
-from rtron.functions.reading import read_repositories
+from rtron.functions.reading import fields, read_repositories, yaml_file
 from rtron.functions.reading.yaml_file import MAX_DEPTH
 from rtron.functions.repository import Package, Repository
 
@@ -84,6 +85,7 @@ def test_a_wrong_entry_costs_itself_only(read, noted, entry, why):
         ("[a]", "lists no repositories"),
         ("repositories: [a]", "lists no repositories"),
         ("repositories: {}", "no repository could be read"),
+        ("repositories: {a: []}", "no repository could be read"),
         ("a: b: c", r"yaml:1: not YAML: mapping values are not allowed"),
         ("repositories:\n  a: &x {}\n  b: *x", r"yaml:2: has anchors or aliases"),
         ("a: !!python/object/apply:os.system ['true']", r"yaml:1: has tags"),
@@ -104,9 +106,33 @@ def test_levels_up_to_the_bound_are_read(read):
     assert found.name == "good"
 
 
-def test_a_file_of_any_size_is_not_read(tmp_path):
+def test_the_packages_of_a_release_are_bounded(read, noted, monkeypatch):
+    monkeypatch.setattr(fields, "MAX_PACKAGES", 2)
+    (found,) = read("repositories: {r: {release: {packages: [a, b, c]}}}")
+    assert [each.name for each in found.packages] == ["a", "b"]
+    assert noted == ["file: r: has more than 2 packages; the others are left out"]
+
+
+def test_a_file_has_a_number_of_values(read, monkeypatch):
+    text = "repositories: {good: {}}"
+    events = sum(1 for _ in yaml.parse(text))
+    monkeypatch.setattr(yaml_file, "MAX_EVENTS", events)
+    assert [each.name for each in read(text)] == ["good"]
+    monkeypatch.setattr(yaml_file, "MAX_EVENTS", events - 1)
+    with pytest.raises(InputError, match=f"has more than {events - 1} values$"):
+        read(text)
+
+
+def test_a_file_of_empty_lists_is_not_made_into_objects(read, monkeypatch):
+    monkeypatch.setattr(yaml, "load", None)
+    with pytest.raises(InputError, match=r"has more than 250000 values$"):
+        read(f"repositories: [{'[],' * 1_300_000}]")
+
+
+@pytest.mark.parametrize(("extra", "match"), [(0, "not YAML"), (1, "larger than 4 MiB")])
+def test_a_file_of_any_size_is_not_read(tmp_path, extra, match):
     path = tmp_path / "large.yml"
     with path.open("wb") as stream:
-        stream.truncate(16 * 2**20 + 1)
-    with pytest.raises(InputError, match="larger than 16 MiB"):
+        stream.truncate(4 * 2**20 + extra)
+    with pytest.raises(InputError, match=match):
         read_repositories(path, None, print)

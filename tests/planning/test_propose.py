@@ -234,6 +234,24 @@ class TestOrder:
         order = [flow.publisher for flow in flows]
         assert order == ["/e_plans", "/f_serves", "/d_works", "/a_teleop", "/c_speaks", "/b_shows"]
 
+    @pytest.mark.parametrize("trust", ["unknown", "third_party"])
+    def test_the_function_of_a_stranger_puts_it_behind_never_before(self, trust):
+        names = ("a_planner", "b_works", "c_teleop")
+        text = shared(
+            "/cmd_vel",
+            "geometry_msgs/Twist",
+            ",".join(f"/{name} x {trust}" for name in names),
+        )
+        text += f"/b_works x {trust}\n sub /scan p/T\n/c_teleop x {trust}\n sub /joy p/T\n"
+        graph = graph_of("app", text)
+        functions = {
+            "/a_planner": FunctionType.PATH_PLANNING,
+            "/c_teleop": FunctionType.TELEOPERATION,
+        }
+        nodes = tuple(replace(n, function=functions.get(n.name)) for n in graph.nodes)
+        flows = grcn_of(plan_of(replace(graph, nodes=nodes)), "/cmd_vel").flows
+        assert [flow.publisher for flow in flows] == ["/b_works", "/a_planner", "/c_teleop"]
+
     def test_who_serves_an_action_is_known_by_its_five_topics_too(self):
         text = shared("/cmd_vel", "geometry_msgs/Twist") + "/b b own\n server /drive p/Drive\n"
         text += "/a a own\n sub /scan p/T\n"

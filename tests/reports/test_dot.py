@@ -1,4 +1,5 @@
 import re
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -6,7 +7,7 @@ from hypothesis import strategies as st
 from report_cases import CMD_VEL, GRAPH, REPORT, SIGN, hears, report_of, risk, speaks
 
 from rtron.reports.dot import graph_to_dot
-from rtron.vocabulary import InteractionGraph, RiskKind, Role
+from rtron.vocabulary import FunctionType, InteractionGraph, Node, RiskKind, Role
 
 QUOTED = r'"(?:[^"\\]|\\.)*"'
 ATTRIBUTE = rf"\w+=(?:{QUOTED}|[\w.]+)"
@@ -41,6 +42,13 @@ def test_nodes_are_ellipses_and_topics_boxes():
     assert looks[f"t{CMD_VEL}"] == 'shape=box, fillcolor="white"'
     assert edges["n/lane", f"t{CMD_VEL}"] == ""
     assert (f"t{CMD_VEL}", "n/base") in edges
+
+
+def test_a_function_is_a_tooltip():
+    nodes = (Node(name="/lane", function=FunctionType.PATH_TRACKING), Node(name="/base"))
+    looks, _ = parsed(graph_to_dot(replace(GRAPH, nodes=nodes), report_of()))
+    assert looks["n/lane"] == 'shape=ellipse, fillcolor="gray85", tooltip="Path Tracking"'
+    assert "tooltip" not in looks["n/base"]
 
 
 def test_implicit_endpoints_are_left_out():

@@ -71,6 +71,54 @@ def test_every_function_and_word_is_inside_the_picture(page):
     assert outside == []
 
 
+def test_the_environment_joins_who_acts_to_whom_it_reaches(page):
+    teleoperation = function(page, "Teleoperation")
+    teleoperation.send_keys(Keys.ENTER)
+    near = page.find_elements(By.CSS_SELECTOR, ".function.near")
+    names = {one.get_attribute("data-name") for one in near}
+    assert {"Localization", "Path Planning", "Mobile"} <= names
+    assert names.isdisjoint({"Path Tracking", "Switcher", "Speaker"})
+    teleoperation.send_keys(Keys.ESCAPE)
+    page.execute_script("document.activeElement.blur()")
+
+
+def test_functions_are_buttons_with_a_name_and_a_state(page):
+    mapping = function(page, "Mapping")
+    assert (mapping.aria_role, mapping.accessible_name) == ("button", "Mapping, 1 package")
+    assert page.find_element(By.CSS_SELECTOR, "#picture svg").aria_role != "img"
+    for expected in ("true", "false"):
+        mapping.send_keys(Keys.ENTER)
+        assert mapping.get_attribute("aria-pressed") == expected
+    page.execute_script("document.activeElement.blur()")
+
+
+def test_labels_are_large_enough_and_apart_in_a_narrow_window(page):
+    page.set_window_size(1280, 800)
+    small, together = page.execute_script(
+        "const rows = [...document.querySelectorAll('.label tspan, .function text')];"
+        "const small = rows.filter((row) => row.getBoundingClientRect().height < 12);"
+        "const boxes = [...document.querySelectorAll('.label, .function')]"
+        "  .map((one) => one.getBoundingClientRect());"
+        "const meet = (a, b) => a.left < b.right && b.left < a.right && a.top + 2 < b.bottom"
+        "  && b.top + 2 < a.bottom;"
+        "return [small.length, boxes.filter((a, i) => boxes.slice(0, i).some((b) => meet(a, b)))"
+        "  .length];"
+    )
+    page.set_window_size(1600, 1000)
+    assert (small, together) == (0, 0)
+
+
+def test_the_picture_scrolls_or_fits_the_window(page):
+    wide = "const f = document.querySelector('#picture'); return f.scrollWidth > f.clientWidth"
+    assert page.execute_script(wide)
+    fit = page.find_element(By.ID, "fit")
+    fit.click()
+    assert not page.execute_script(wide)
+    assert fit.get_attribute("aria-pressed") == "true"
+    fit.click()
+    assert page.execute_script(wide)
+
+
 def test_a_functions_name_fits_its_ellipse(page):
     wide = page.execute_script(
         "return [...document.querySelectorAll('.function')].filter((one) => {"

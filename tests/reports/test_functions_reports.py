@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 from rtron.functions.classification import Classification, DecidedBy, Evidence, Piece
 from rtron.functions.repository import Package, Repository
 from rtron.functions.tables import count
@@ -60,6 +62,13 @@ def test_that_nothing_tells_is_said(printed):
     text = printed(evidence_text(Repository(name="zzz"), UNKNOWN, ()))
     told = "no rule tells what this is: no name, no description, no README"
     assert text == f"zzz  0 packages\n{told}\n"
+
+
+def test_of_a_repository_that_nothing_decides_no_rule_has_decided(printed):
+    weak = replace(CLASSIFIED, functions=(), primary=None, decided_by=DecidedBy.NONE)
+    text = printed(evidence_text(Repository(name="nav"), weak, MATCHED))
+    assert "cannot tell: what matches is too weak, or speaks for several functions alike" in text
+    assert "decided" not in text
 
 
 def test_long_evidence_is_cut(printed):

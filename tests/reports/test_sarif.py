@@ -12,7 +12,17 @@ from rtron.reports.sarif import FINGERPRINT, risks_to_sarif
 from rtron.reports.sarif_places import physical_location
 from rtron.risks import discover
 from rtron.sources.graph_json import read_graph
-from rtron.vocabulary import Evidence, InteractionGraph, Node, RiskKind, Role, Severity, Unresolved
+from rtron.vocabulary import (
+    Domain,
+    Evidence,
+    FunctionType,
+    InteractionGraph,
+    Node,
+    RiskKind,
+    Role,
+    Severity,
+    Unresolved,
+)
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 SCHEMA = json.loads((FIXTURES / "sarif/sarif-2.1.0-rtm.5.json").read_text(encoding="utf-8"))
@@ -49,6 +59,18 @@ def test_the_validator_refuses_what_is_no_sarif():
     document = json.loads(risks_to_sarif(GRAPH, REPORT, None))
     document["runs"][0]["results"][0]["level"] = "high"
     assert not VALIDATOR.is_valid(document)
+
+
+def test_the_functions_of_nodes_are_told():
+    planner = Node(name="/plan", function=FunctionType.PATH_PLANNING, domain=Domain.PLANNING)
+    graph = replace(GRAPH, nodes=(planner, Node(name="/unknown")))
+    assert run_of(graph)["logicalLocations"] == [
+        {
+            "fullyQualifiedName": "/plan",
+            "kind": "node",
+            "properties": {"function": "Path Planning", "domain": "Planning"},
+        }
+    ]
 
 
 def test_every_kind_is_a_rule_with_help():

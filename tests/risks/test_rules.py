@@ -261,17 +261,29 @@ class TestEvent:
         assert risk.id == "MSR-event:/detect/sign"
         assert risk.role_nodes == {Role.EVENT: ("/a",)}
 
-    def test_own_preprocessing_is_left_out_where_it_is_known(self):
+    @pytest.mark.parametrize(
+        "type", ["Image", "CompressedImage", "LaserScan", "PointCloud2", "Imu"]
+    )
+    def test_own_preprocessing_is_left_out_where_it_hands_on_sensory_data(self, type):
         first = Node(name="/a", function=FunctionType.PREPROCESSING, trust=Trust.OWN)
-        both = (first, Node(name="/b", function=FunctionType.LOCALIZATION))
-        text = "/a a own\n pub /odom nav_msgs/Odometry\n/b b own\n pub /odom nav_msgs/Odometry\n"
+        both = (first, Node(name="/b", function=FunctionType.RECOGNITION))
+        text = "".join(f"/{n} {n} own\n pub /detect sensor_msgs/{type}\n" for n in "ab")
         assert found(text, "msr_event", nodes=both)[0].role_nodes == {Role.EVENT: ("/b",)}
-        assert not found(topic_pair("/odom", "nav_msgs/Odometry"), "msr_event", nodes=(first,))
+        assert not found(topic_pair("/detect", f"sensor_msgs/{type}"), "msr_event", nodes=(first,))
 
-    @pytest.mark.parametrize("trust", [Trust.UNKNOWN, Trust.THIRD_PARTY])
-    def test_what_somebody_else_calls_preprocessing_is_not(self, trust):
+    @pytest.mark.parametrize(
+        ("topic", "type", "trust"),
+        [
+            ("/detect", "sensor_msgs/Image", Trust.UNKNOWN),
+            ("/detect", "sensor_msgs/Image", Trust.THIRD_PARTY),
+            ("/detect", "std_msgs/UInt8", Trust.OWN),
+            ("/odom", "nav_msgs/Odometry", Trust.OWN),
+            ("/battery", "sensor_msgs/BatteryState", Trust.OWN),
+        ],
+    )
+    def test_what_is_only_called_preprocessing_is_not(self, topic, type, trust):
         node = Node(name="/a", function=FunctionType.PREPROCESSING, trust=trust)
-        [risk] = found(topic_pair("/odom", "nav_msgs/Odometry"), "msr_event", nodes=(node,))
+        [risk] = found(topic_pair(topic, type), "msr_event", nodes=(node,))
         assert risk.role_nodes == {Role.EVENT: ("/a",)}
 
 

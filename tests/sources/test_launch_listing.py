@@ -72,6 +72,15 @@ def test_links_that_go_in_circles_end(tmp_path):
     assert len(launch_files([tmp_path])) == 1
 
 
+def test_a_deep_folder_is_listed_with_its_fault(tmp_path, deep_folder):
+    deep_folder(tmp_path)
+    write(tmp_path / "x.launch")
+    good, deep = launch_files([tmp_path])
+    assert (good.path, good.fault) == (tmp_path / "x.launch", "")
+    assert deep.path == tmp_path.joinpath(*["d"] * 101)
+    assert deep.fault == f"{deep.path}: lies more than 100 folders deep"
+
+
 def test_a_folder_without_end_is_an_error(tmp_path, monkeypatch):
     monkeypatch.setattr(listing, "MAX_FOLDERS", 3)
     for name in "abc":

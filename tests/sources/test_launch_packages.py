@@ -71,6 +71,16 @@ def test_links_that_go_in_circles_end(tmp_path):
     assert own([tmp_path]) == {"package": package}
 
 
+def test_a_deep_folder_is_left_out(tmp_path, deep_folder):
+    deep_folder(tmp_path)
+    package = make(tmp_path / "d" / "p")
+    try:
+        assert own([tmp_path]) == {"p": package}
+    finally:
+        (package / "package.xml").unlink()
+        package.rmdir()
+
+
 def test_a_folder_without_end_is_an_error(tmp_path, monkeypatch):
     monkeypatch.setattr(packages, "MAX_FOLDERS", 3)
     for name in "abcd":

@@ -1,6 +1,7 @@
 """Every app below a folder is scanned, here and on a cluster."""
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from rtron.errors import InputError
+from rtron.sources.launch import listing
 from rtron.survey.subjects import subjects
 
 sys.path.append(str(Path(__file__).parents[1] / "functions"))
@@ -27,6 +29,15 @@ def test_an_app_is_a_launch_file_that_no_other_includes_and_that_needs_nothing(r
     asks, broken = left
     assert str(asks) == "drive/drive_base/launch/asks.launch: needs the arguments robot"
     assert broken.place == "drive/drive_base/launch/broken.launch"
+
+
+def test_a_repository_without_end_costs_itself_only(repositories, tmp_path, monkeypatch):
+    left = []
+    shutil.copytree(repositories, tmp_path, dirs_exist_ok=True)
+    (tmp_path / "other/more/and/more").mkdir(parents=True)
+    monkeypatch.setattr(listing, "MAX_FOLDERS", 4)
+    assert [each.app for each in subjects(tmp_path, left.append)] == APPS[:1]
+    assert f"{tmp_path / 'other'}: has more than 4 folders" in map(str, left)
 
 
 def test_a_folder_that_is_not_there(tmp_path):

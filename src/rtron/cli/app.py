@@ -10,6 +10,7 @@ from rtron.cli.node_functions import WithFunctions
 from rtron.cli.running import RunningApp
 from rtron.cli.static_app import StaticChoice, StaticSource, static_source
 from rtron.errors import InputError
+from rtron.folders import is_folder
 from rtron.sources.bounded import STDIN
 from rtron.sources.graph_json import GraphFile
 from rtron.sources.source import Source
@@ -48,7 +49,7 @@ class Chosen:
     def bag(self) -> Path | None:
         """The bag, if that is the only path; a folder with launch files is one of source."""
         sole = self.paths[0] if len(self.paths) == 1 else None
-        if not sole or not _is_bag(sole) or (sole.is_dir() and self.static.launches):
+        if not sole or not _is_bag(sole) or (is_folder(sole) and self.static.launches):
             return None
         return sole
 
@@ -57,7 +58,7 @@ class Chosen:
         """The folders, if the app is to be read from source; raise InputError for a mix."""
         if self.bag:
             return []
-        folders = [path for path in self.paths if path != STDIN and path.is_dir()]
+        folders = [path for path in self.paths if path != STDIN and is_folder(path)]
         if folders and len(folders) < len(self.paths):
             other = next(path for path in self.paths if path not in folders)
             help = "give folders with source, one graph, or one bag"

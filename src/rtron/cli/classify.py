@@ -6,22 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rtron.cli.executor import ClusterAddress, ProcessCount, chosen_executor
+from rtron.cli.executor import ClusterAddress, ProcessCount
 from rtron.cli.options import Output
 from rtron.cli.outcome import STDOUT, Outcome
-from rtron.cli.progress import shown_progress
 from rtron.cli.repositories import Readmes, left_out
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
-    from rtron.executors import Executor
     from rtron.functions.classification import Classification
-    from rtron.functions.reading import Note
-    from rtron.functions.repository import Repository
-
-_FEW = 2000
-"""Repositories that are done here sooner than other processes have started."""
 
 
 def classify(
@@ -58,38 +51,18 @@ def classify(
 
     Exit code: 0 classified, 2 nothing can be read.
     """
-    from rtron.executors.window import CHUNK  # noqa: PLC0415 - the guard starts without it
+    from rtron.cli.classifying import classified  # noqa: PLC0415 - the guard starts without it
     from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
 
     with left_out() as left:
         repositories = read_repositories(source, readmes, left)
-        worth = len(repositories) > _FEW
-        executor = chosen_executor(jobs, cluster, chunk=CHUNK, worth=worth)
-        found = list(_classified(repositories, executor, left))
+        found = [each for _, each in classified(repositories, jobs, cluster, left)]
     if table:
         from rtron.functions.tables import count  # noqa: PLC0415 - the guard starts without it
         from rtron.reports.functions_tables import tables_text  # noqa: PLC0415 - the guard starts without it
 
         return Outcome(tables_text(count(found)), to=output)
     return Outcome(_as_lines(found), to=output)
-
-
-def _classified(
-    repositories: "list[Repository]", executor: "Executor", left: "Note"
-) -> "Iterator[Classification]":
-    from rtron.executors import Failed  # noqa: PLC0415 - the guard starts without it
-    from rtron.functions.classify import classify as classified  # noqa: PLC0415 - the guard starts without it
-    from rtron.functions.reading import Skipped  # noqa: PLC0415 - the guard starts without it
-
-    known = len(repositories)
-    with shown_progress() as progress:
-        results = executor.map(classified, repositories)
-        for done, (repository, result) in enumerate(zip(repositories, results, strict=True), 1):
-            progress(done, known, repository.name)
-            if isinstance(result, Failed):
-                left(Skipped(place=repository.name, why=result.why))
-            else:
-                yield result
 
 
 def _as_lines(found: "Iterable[Classification]") -> str:

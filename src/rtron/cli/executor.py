@@ -10,7 +10,10 @@ if TYPE_CHECKING:
     from rtron.executors import Executor
 
 ProcessCount = Annotated[
-    int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="Work in N processes.")
+    int | None,
+    typer.Option(
+        "--jobs", "-j", min=1, metavar="N", help="Work in N processes; no more than cores."
+    ),
 ]
 ClusterAddress = Annotated[
     str | None,
@@ -21,7 +24,9 @@ ClusterAddress = Annotated[
 def chosen_executor(
     jobs: int | None, cluster: str | None, *, chunk: int, worth: bool
 ) -> "Executor":
-    """Return what is asked for; by default all cores if the work is worth it, else this process.
+    """Return what is asked for, of cores no more than there are.
+
+    By default that is all of them if the work is worth it, else this process.
 
     `chunk` things go to a worker together. Raise InputError if both are asked for.
     """
@@ -33,5 +38,6 @@ def chosen_executor(
         raise InputError("both --cluster and --jobs are given", help=help)
     if cluster:
         return Cluster(cluster, chunk)
-    count = jobs or (default_workers() if worth else 1)
+    cores = default_workers()
+    count = min(jobs or (cores if worth else 1), cores)
     return Processes(count, chunk) if count > 1 else Here()

@@ -1,5 +1,6 @@
 """`rtron explain-class`."""
 
+import re
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -7,14 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtron.cli.outcome import Outcome
-from rtron.cli.repositories import Readmes, left_out
+from rtron.cli.repositories import Readmes, left_out, tell
 from rtron.errors import InputError, RTronError
+from rtron.folders import is_folder
+from rtron.reports.neutral import neutral
 
 if TYPE_CHECKING:
     from rtron.functions.repository import Repository
 
 _LONGEST_SHOWN = 80
 _SEVERAL_SHOWN = 5
+_OFFERED = re.compile(r"[\w@.+-]+")
+"""Names that a shell takes as they are: what is completed stands on its line unquoted."""
 
 
 def _complete(ctx: typer.Context, incomplete: str) -> list[str]:
@@ -25,13 +30,16 @@ def _complete(ctx: typer.Context, incomplete: str) -> list[str]:
         found = read_repositories(Path(source), None, lambda _: None) if source else []
     except (RTronError, OSError):
         return []
-    return [each.name for each in found if each.name.startswith(incomplete)]
+    names = (each.name for each in found if _OFFERED.fullmatch(each.name))
+    return [name for name in names if name.startswith(incomplete)]
 
 
 def explain_class(
     repo: Annotated[
         str,
-        typer.Argument(metavar="DIR|NAME", help="The repository.", autocompletion=_complete),
+        typer.Argument(
+            metavar="DIR|NAME", help="The repository, or a package of it.", autocompletion=_complete
+        ),
     ],
     *,
     source: Annotated[
@@ -50,8 +58,11 @@ def explain_class(
     and whether a veto stopped it or an earlier piece had decided already.
 
     $ rtron explain-class src/navigation
-    $ rtron explain-class rrt_exploration --from kinetic.jsonl
-    $ rtron explain-class amcl --from kinetic.jsonl --readmes readmes.jsonl
+    $ rtron explain-class --from kinetic.jsonl rrt_exploration
+    $ rtron explain-class --from kinetic.jsonl --readmes readmes.jsonl amcl
+
+    A NAME can be completed where --from stands before it. That of a package
+    stands for its repository.
 
     Exit code: 0 explained, 2 no such repository.
     """
@@ -66,7 +77,7 @@ def explain_class(
 def _found(repo: str, source: Path | None, readmes: Path | None) -> "Repository":
     from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
 
-    if source is None and not Path(repo).is_dir():
+    if source is None and not is_folder(Path(repo)):
         help = "give its folder, or say --from which file"
         raise InputError(f"{repo[:_LONGEST_SHOWN]!r} is no folder", help=help)
     with left_out() as left:
@@ -76,16 +87,23 @@ def _found(repo: str, source: Path | None, readmes: Path | None) -> "Repository"
 
 def _only(repo: str, found: "list[Repository]") -> "Repository":
     if len(found) > 1:
-        names = ", ".join(each.name for each in found[:_SEVERAL_SHOWN])
-        help = f"rtron explain-class NAME --from {repo}"
-        raise InputError(f"{repo} holds {len(found)} repositories: {names}, …", help=help)
+        names = [each.name for each in found[:_SEVERAL_SHOWN]]
+        more = ["…"] if len(found) > _SEVERAL_SHOWN else []
+        told = ", ".join(names + more)
+        help = f"rtron explain-class --from {repo} NAME"
+        raise InputError(f"{repo} holds {len(found)} repositories: {told}", help=help)
     return found[0]
 
 
 def _named(repo: str, found: "list[Repository]") -> "Repository":
+    """Return the repository of a name, else the first that has a package of that name."""
     names = {each.name: each for each in found}
-    if repo not in names:
-        near = get_close_matches(repo[:_LONGEST_SHOWN], names, n=1)
-        help = f"did you mean {near[0]}?" if near else "`rtron classify` lists them all"
-        raise InputError(f"no repository is named {repo[:_LONGEST_SHOWN]!r}", help=help)
-    return names[repo]
+    if repo in names:
+        return names[repo]
+    homes = {package.name: each for each in reversed(found) for package in each.packages}
+    if repo in homes:
+        tell(neutral(f"{repo} is a package of {homes[repo].name}"))
+        return homes[repo]
+    near = get_close_matches(repo[:_LONGEST_SHOWN], names, n=1)
+    help = f"did you mean {near[0]}?" if near else "`rtron classify` lists them all"
+    raise InputError(f"no repository is named {repo[:_LONGEST_SHOWN]!r}", help=help)

@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.options import Jobs, NoCache, Output, TextOrJson
+from rtron.cli.executor import ClusterAddress, ProcessCount
+from rtron.cli.options import NoCache, Output, TextOrJson
 from rtron.cli.outcome import STDOUT, Outcome, as_json
-from rtron.errors import InputError
-from rtron.functions.graph import AbstractGraph, abstract_graph
+from rtron.cli.repositories import Readmes, left_out
+from rtron.functions.graph import AbstractGraph
 from rtron.sources.static.options import ScanOptions
 
 functions = typer.Typer(
@@ -43,9 +44,17 @@ def graph(
         ),
     ],
     *,
-    format: Annotated[GraphFormat, typer.Option(help="Data, or a picture.")] = GraphFormat.JSON,
+    format: Annotated[
+        GraphFormat | None,
+        typer.Option(
+            help="Data, or a picture.  [default: as the output's name ends, else json]",
+            show_default=False,
+        ),
+    ] = None,
     output: Output = STDOUT,
-    jobs: Jobs = None,
+    readmes: Readmes = None,
+    jobs: ProcessCount = None,
+    cluster: ClusterAddress = None,
     no_cache: NoCache = False,
 ) -> Outcome:
     """Draw the interaction graph of functions: who exchanges which messages.
@@ -56,20 +65,20 @@ def graph(
     read from the source of its programs; else from what is typical of a
     function. Each edge says which.
 
-    $ rtron functions graph repositories/ --format svg -o functions.svg
-    $ rtron functions graph corpus.jsonl --format html -o functions.html
-    $ rtron functions graph distribution.yaml -o functions.json
+    $ rtron functions graph repositories/ -o functions.svg
+    $ rtron functions graph corpus.jsonl --readmes readmes.jsonl -o functions.html
+    $ rtron functions graph distribution.yaml --format dot
 
     See docs/functions_graph.md. Exit code: 0 drawn, 2 bad input.
     """
-    from rtron.cli.functions_input import package_uses  # noqa: PLC0415 - other commands start without it
+    from rtron.cli.functions_input import Asked, interaction_graph  # noqa: PLC0415 - other commands start without it
     from rtron.sources.static.cache import user_cache  # noqa: PLC0415 - other commands start without it
 
     options = ScanOptions(cache=None if no_cache else user_cache())
     if jobs:
         options = ScanOptions(cache=options.cache, workers=jobs)
-    found = abstract_graph(package_uses(given, options))
-    return Outcome(_SHOWN[format](found), to=output)
+    asked = Asked(given, readmes, jobs, cluster)
+    return Outcome(_SHOWN[format or _ending(output)](interaction_graph(asked, options)), to=output)
 
 
 @functions.command()
@@ -93,30 +102,26 @@ def apps(
     $ rtron functions apps app.json
     $ rtron functions apps graphs/ --format json
 
-    Exit code: 0 told, 2 bad input.
-    """
-    from rtron.functions.apps import app_row, counts  # noqa: PLC0415 - other commands start without it
-    from rtron.reports.functions_apps import apps_text, apps_to_json  # noqa: PLC0415 - nor this
-    from rtron.sources.graph_json import read_graph  # noqa: PLC0415 - nor this
+    What cannot be read is left out and told on standard error.
 
-    files = _graph_files(graphs)
-    rows = [app_row(read_graph(path), path.stem if len(files) > 1 else "") for path in files]
+    Exit code: 0 told, 2 nothing can be read.
+    """
+    from rtron.cli.app_rows import app_rows  # noqa: PLC0415 - other commands start without it
+    from rtron.functions.apps import counts  # noqa: PLC0415 - nor this
+    from rtron.reports.functions_apps import apps_text, apps_to_json  # noqa: PLC0415 - nor this
+
+    with left_out() as left:
+        rows = app_rows(graphs, left)
     counted = counts(rows) if len(rows) > 1 else ()
     if format is TextOrJson.JSON:
         return Outcome(as_json(apps_to_json(rows, counted)), to=output)
     return Outcome(apps_text(rows, counted), to=output)
 
 
-def _graph_files(given: list[Path]) -> list[Path]:
-    """Return the files, those in folders by name; raise InputError for a folder without any."""
-    found: list[Path] = []
-    for path in given:
-        inside = sorted(path.glob("*.json")) if path.is_dir() else [path]
-        if not inside:
-            help = "write them with `rtron scan … --format graph -o app.json`"
-            raise InputError("has no *.json", path=str(path), help=help)
-        found += inside
-    return found
+def _ending(output: Path) -> GraphFormat:
+    """Return the format that a file's name asks for, JSON if it asks for none."""
+    asked = output.suffix.lower().removeprefix(".")
+    return next((each for each in GraphFormat if each.value == asked), GraphFormat.JSON)
 
 
 def _json(graph: AbstractGraph) -> str:

@@ -1,64 +1,104 @@
 """The packages that `rtron functions graph` looks at: their functions and their messages."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rich.console import Console
-from rich.text import Text
-
+from rtron.cli.classifying import classified
 from rtron.cli.progress import shown_progress
+from rtron.cli.repositories import left_out
 from rtron.functions.classification import Classification
-from rtron.functions.classify import classify
-from rtron.functions.graph import PackageUse
-from rtron.functions.reading import Skipped, read_repositories
+from rtron.functions.graph import AbstractGraph, PackageUse, abstract_graph
+from rtron.functions.reading import Note, Skipped, read_repositories
 from rtron.functions.repository import Package, Repository
-from rtron.reports.neutral import neutral
 from rtron.sources.bounded import STDIN
 from rtron.sources.static.options import ScanOptions
-from rtron.sources.static.traffic import PackageTraffic, read_traffic
+from rtron.sources.static.traffic import PackageTraffic, Traffic, read_traffic
 from rtron.vocabulary import FunctionType
 
 _NO_TRAFFIC = PackageTraffic()
 
 
-def package_uses(given: Path, options: ScanOptions) -> list[PackageUse]:
-    """Return the packages of a corpus, a folder or a distribution; of a folder with its messages.
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A corpus, a folder or a distribution, READMEs beside it, and where to work on it."""
 
-    Raise InputError if nothing can be read; what is left out is told on standard error.
+    given: Path
+    readmes: Path | None = None
+    jobs: int | None = None
+    cluster: str | None = None
+
+
+def interaction_graph(asked: Asked, options: ScanOptions) -> AbstractGraph:
+    """Return the graph of what is asked for; of a folder with its messages.
+
+    Of packages with one name the first counts. Raise InputError if nothing can be read; what is
+    left out is told on standard error.
     """
-    repositories = read_repositories(given, None, _tell)
-    traffic = _traffic(given, options) if given != STDIN and given.is_dir() else {}
-    return list(_uses(repositories, traffic))
+    given = asked.given
+    with left_out() as left:
+        repositories = read_repositories(given, asked.readmes, left)
+        known = list(classified(repositories, asked.jobs, asked.cluster, left))
+        counting = _first_of_each_name(repositories)
+        traffic = Traffic(packages={})
+        if given != STDIN and given.is_dir():
+            traffic = _traffic(given, counting, options)
+        for note in traffic.unresolved:
+            place = note.evidence[0].file if note.evidence else str(given)
+            left(Skipped(place=place, why=f"{note.what}: {note.why}"))
+        repeated = sum(_tell_repeated(each, counting, left) for each in repositories)
+    graph = abstract_graph(_uses(known, counting, traffic))
+    return replace(graph, repeated=repeated, unresolved=traffic.unresolved)
 
 
-def _traffic(folder: Path, options: ScanOptions) -> Mapping[str, PackageTraffic]:
+def _first_of_each_name(repositories: Sequence[Repository]) -> dict[str, Package]:
+    found: dict[str, Package] = {}
+    for repository in repositories:
+        for package in repository.packages:
+            found.setdefault(package.name, package)
+    return found
+
+
+def _tell_repeated(repository: Repository, counting: Mapping[str, Package], left: Note) -> int:
+    """Return how many of a repository's packages do not count, since others have their names."""
+    names = [each.name for each in repository.packages if counting[each.name] is not each]
+    if names:
+        why = f"the first package of a name counts; there before: {', '.join(names)}"
+        left(Skipped(place=repository.name, why=why))
+    return len(names)
+
+
+def _traffic(top: Path, counting: Mapping[str, Package], options: ScanOptions) -> Traffic:
+    folders = {name: each.folder.absolute() for name, each in counting.items() if each.folder}
     with shown_progress() as progress:
-        return read_traffic(folder, replace(options, progress=progress))
+        return read_traffic(top, folders, replace(options, progress=progress))
 
 
 def _uses(
-    repositories: Iterable[Repository], traffic: Mapping[str, PackageTraffic]
+    known: Iterable[tuple[Repository, Classification]],
+    counting: Mapping[str, Package],
+    traffic: Traffic,
 ) -> Iterator[PackageUse]:
-    for repository in repositories:
-        found = classify(repository)
+    for repository, found in known:
         for package in repository.packages:
-            used = traffic.get(package.name, _NO_TRAFFIC)
-            yield PackageUse(
-                name=package.name,
-                description=package.description,
-                functions=_functions(package, found),
-                publishes=frozenset(used.publishes),
-                subscribes=frozenset(used.subscribes),
-                depends=frozenset(package.depends),
-            )
+            if counting[package.name] is package:
+                yield _use(package, found, traffic)
+
+
+def _use(package: Package, found: Classification, traffic: Traffic) -> PackageUse:
+    used = _NO_TRAFFIC
+    if package.folder:
+        used = traffic.packages.get(package.folder.absolute(), _NO_TRAFFIC)
+    return PackageUse(
+        name=package.name,
+        description=package.description,
+        functions=_functions(package, found),
+        publishes=frozenset(used.publishes),
+        subscribes=frozenset(used.subscribes),
+        depends=frozenset(package.depends),
+    )
 
 
 def _functions(package: Package, found: Classification) -> tuple[FunctionType, ...]:
     """Return a package's own functions, else its repository's first one."""
     return found.packages.get(package.name, ()) or found.functions[:1]
-
-
-def _tell(skipped: Skipped) -> None:
-    console = Console(stderr=True, highlight=False)
-    console.print(Text(neutral(f"left out: {skipped}")), soft_wrap=True)

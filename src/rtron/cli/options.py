@@ -46,7 +46,9 @@ Env = Annotated[
 ]
 Jobs = Annotated[
     int | None,
-    typer.Option("--jobs", "-j", min=1, metavar="N", help="Work on N nodes at a time."),
+    typer.Option(
+        "--jobs", "-j", min=1, metavar="N", help="Work on N nodes at a time; no more than cores."
+    ),
 ]
 NoCache = Annotated[bool, typer.Option("--no-cache", help="Read everything anew, keep nothing.")]
 Live = Annotated[bool, typer.Option("--live", help="Read the app that is running instead.")]

@@ -27,7 +27,10 @@ _MAX_LENGTH = 300
 
 @contextmanager
 def left_out() -> "Iterator[Note]":
-    """Yield what takes what was left out; the first of it stands on standard error at the end."""
+    """Yield what takes what was left out; the first of it stands on standard error at the end.
+
+    It stands there before an error, too.
+    """
     rows: list[str] = []
     count = 0
 
@@ -37,8 +40,15 @@ def left_out() -> "Iterator[Note]":
         if count <= _MAX_SHOWN:
             rows.append(f"left out: {neutral(str(skipped))[:_MAX_LENGTH]}")
 
-    yield take
-    if count > len(rows):
-        rows.append(f"left out: {count - len(rows)} more")
+    try:
+        yield take
+    finally:
+        if count > len(rows):
+            rows.append(f"left out: {count - len(rows)} more")
+        tell(*rows)
+
+
+def tell(*rows: str) -> None:
+    """Say something on standard error, beside the result."""
     if rows:
         Console(stderr=True, highlight=False).print(Text("\n".join(rows)), soft_wrap=True)

@@ -1,6 +1,5 @@
 """Runs items in several processes of this machine."""
 
-import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -10,6 +9,7 @@ from multiprocessing import get_context
 from typing import Any
 
 from rtron.executors.executor import Failed, Item, Result
+from rtron.executors.parent import serve_parent
 from rtron.executors.window import CHUNK, LostError, in_order
 
 
@@ -61,11 +61,6 @@ class _Pool:
             self._executor = ProcessPoolExecutor(
                 max_workers=self.count,
                 mp_context=get_context("spawn"),
-                initializer=_leave_interrupts,
+                initializer=serve_parent,
             )
         return self._executor
-
-
-def _leave_interrupts() -> None:
-    """Leave Ctrl-C to the process that started this one."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -42,6 +42,19 @@ class Category:
         fits = self.functions <= frozenset(present) and (chosen or not self.one_of)
         return self.functions | chosen if fits else frozenset()
 
+    def had(self, present: Collection[FunctionType]) -> int:
+        """Return how many functions of the category are there; of `one_of` one counts."""
+        there = frozenset(present)
+        return len(self.functions & there) + (not self.one_of.isdisjoint(there))
+
+    def lacks(self, present: Collection[FunctionType]) -> "Lack":
+        """Return what the category takes and is not there."""
+        no_choice = self.one_of.isdisjoint(present)
+        return Lack(
+            missing=tuple(f for f in FunctionType if f in self.functions - frozenset(present)),
+            one_of=tuple(f for f in FunctionType if f in self.one_of) if no_choice else (),
+        )
+
     @property
     def key(self) -> tuple[frozenset[FunctionType], frozenset[FunctionType]]:
         """What it is told by; categories that share it cannot be told apart."""
@@ -52,7 +65,7 @@ class Category:
 class AppRow:
     """An app, the nodes of each function in it, and its most specific categories.
 
-    Where it is of none, `nearest` tells which has the most of its functions in the app.
+    `nearest` is a category that it is not of, but has more functions of than of any of its own.
     """
 
     app: str
@@ -63,10 +76,21 @@ class AppRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nearest:
-    """The category that an app of none comes nearest to, and the functions that it lacks."""
+    """The categories, of one set of functions, that an app comes nearest to, and what it lacks."""
 
-    category: str
-    missing: tuple[FunctionType, ...]
+    categories: tuple[str, ...]
+    lack: "Lack"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lack:
+    """The functions that an app lacks for a category: all of `missing`, and one of `one_of`."""
+
+    missing: tuple[FunctionType, ...] = ()
+    one_of: tuple[FunctionType, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.missing) + bool(self.one_of)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,21 +130,24 @@ def categories_of(present: Collection[FunctionType]) -> tuple[str, ...]:
 def app_row(graph: InteractionGraph, name: str = "") -> AppRow:
     """Return an app's functions and categories; `name` stands for that of its graph."""
     functions = functions_of_app(graph)
-    fitting = categories_of(functions.keys())
     return AppRow(
         app=name or graph.app or "app",
         functions=functions,
-        categories=fitting,
-        nearest=None if fitting else nearest(functions.keys()),
+        categories=categories_of(functions.keys()),
+        nearest=nearest(functions.keys()),
     )
 
 
 def nearest(present: Collection[FunctionType]) -> Nearest | None:
-    """Return the category with the most functions present, of equals the one that lacks fewest."""
-    had = {c.name: len(c.functions & frozenset(present)) for c in categories()}
-    best = max(categories(), key=lambda c: (had[c.name], -len(c.functions)))
-    missing = tuple(f for f in FunctionType if f in best.functions and f not in present)
-    return Nearest(category=best.name, missing=missing) if had[best.name] and missing else None
+    """Return the category with the most functions present, of equals the one that lacks fewest.
+
+    None if one that fits has as many.
+    """
+    best = max(categories(), key=lambda c: (c.had(present), -len(c.lacks(present))))
+    lack = best.lacks(present)
+    if not (best.had(present) and lack):
+        return None
+    return Nearest(categories=tuple(c.name for c in categories() if c.key == best.key), lack=lack)
 
 
 def functions_of_app(graph: InteractionGraph) -> Mapping[FunctionType, tuple[str, ...]]:

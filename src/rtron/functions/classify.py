@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.functions.classification import Classification, DecidedBy, Piece
+from rtron.functions.classification import Classification, DecidedBy, Evidence, Piece
 from rtron.functions.information.descriptions import description_tokens
 from rtron.functions.information.names import name_tokens
 from rtron.functions.information.readme import readme_tokens
@@ -107,6 +107,20 @@ def _classified(
         functions=functions,
         primary=functions[0] if functions else None,
         decided_by=decided_by,
-        evidence=weighed.evidence,
+        evidence=tuple(_evidence(functions, weighed, packages)),
         packages={name: found.ranked() for name, found in packages.items()},
     )
+
+
+def _evidence(
+    functions: tuple[FunctionType, ...], weighed: Scores, packages: Mapping[str, Scores]
+) -> Iterator[Evidence]:
+    """Yield what tells the functions, of a repository that has none whatever speaks of any.
+
+    Packages are asked for the functions that nothing else tells.
+    """
+    yield from (each for each in weighed.evidence if each.type in functions or not functions)
+    told = {each.type for each in weighed.evidence}
+    for found in packages.values():
+        missing = (each for each in found.evidence if each.type not in told)
+        yield from (each for each in missing if each.type in functions)

@@ -19,6 +19,8 @@ from rtron.functions.messages.typical import (
     flows,
     function_of,
     is_generic,
+    is_ros2,
+    ros2_types,
     says_something,
     typical,
 )
@@ -26,6 +28,7 @@ from rtron.vocabulary import (
     Domain,
     FunctionType,
     RecognitionSubfunction,
+    Unresolved,
     Word,
     normalise_type,
 )
@@ -80,12 +83,29 @@ class FunctionNode:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exchanged:
-    """A message type, and how many packages are known to publish and to subscribe it."""
+    """A message type, and how many packages are known to publish and to subscribe it.
+
+    `publishers` and `subscribers` have it in their source. `from_depends` and `to_depends` are the
+    packages on either side whose manifests depend on the type's package: they may use it.
+    """
 
     type: str
-    publishers: int
-    subscribers: int
-    basis: Basis
+    publishers: int = 0
+    subscribers: int = 0
+    from_depends: int = 0
+    to_depends: int = 0
+
+    @property
+    def sides(self) -> tuple[int, int]:
+        """How many packages use it on either side, by their source, else by their manifests."""
+        return self.publishers or self.from_depends, self.subscribers or self.to_depends
+
+    @property
+    def basis(self) -> Basis:
+        """How it is known."""
+        if self.publishers and self.subscribers:
+            return Basis.SOURCE
+        return Basis.MANIFEST if all(self.sides) else Basis.TYPICAL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,7 +130,9 @@ class IndirectInteraction:
 class AbstractGraph:
     """Functions and their interactions; `packages` were looked at, `outside` have no place in it.
 
-    `outside` counts the packages without a function and those of the Others domain.
+    `outside` counts the packages without a function and those of the Others domain, `repeated`
+    those that were left out since another of their name counts already. `unresolved` is what could
+    not be found out of the programs.
     """
 
     functions: tuple[FunctionNode, ...] = ()
@@ -118,6 +140,13 @@ class AbstractGraph:
     indirect: tuple[IndirectInteraction, ...] = ()
     packages: int = 0
     outside: int = 0
+    repeated: int = 0
+    unresolved: tuple[Unresolved, ...] = ()
+
+    def known(self) -> Mapping[Basis, int]:
+        """Return how many types of all edges are known in which way."""
+        found = Counter(message.basis for edge in self.direct for message in edge.messages)
+        return {basis: found[basis] for basis in Basis}
 
 
 @dataclass(slots=True)
@@ -136,11 +165,16 @@ def abstract_graph(packages: Iterable[PackageUse]) -> AbstractGraph:
     uses = _uses(given)
     return AbstractGraph(
         functions=tuple(_node(name, uses[name].packages) for name in uses),
-        direct=tuple(_direct(uses)),
+        direct=tuple(_direct(uses, frozenset() if _has_ros2(given) else ros2_types())),
         indirect=tuple(_indirect(uses)),
         packages=len(given),
         outside=sum(not any(map(_has_place, package.functions)) for package in given),
     )
+
+
+def _has_ros2(packages: Iterable[PackageUse]) -> bool:
+    """Tell whether a package is one of ROS 2's own, or depends on one."""
+    return any(is_ros2(name) for each in packages for name in (each.name, *each.depends))
 
 
 def _has_place(function: FunctionType) -> bool:
@@ -198,20 +232,23 @@ def _of_function(
             yield type
 
 
-def _direct(uses: Mapping[str, _Use]) -> Iterator[DirectInteraction]:
+def _direct(uses: Mapping[str, _Use], absent: frozenset[str]) -> Iterator[DirectInteraction]:
+    """Yield who publishes what whom subscribes; `absent` types count only where they are read."""
     for source in uses:
         for target in uses:
-            messages = tuple(_exchanged(source, target, uses))
+            messages = tuple(_exchanged(source, target, uses, absent))
             if messages:
                 ranked = sorted(messages, key=_best_first)
                 yield DirectInteraction(source=source, target=target, messages=tuple(ranked))
 
 
-def _exchanged(source: str, target: str, uses: Mapping[str, _Use]) -> Iterator[Exchanged]:
+def _exchanged(
+    source: str, target: str, uses: Mapping[str, _Use], absent: frozenset[str]
+) -> Iterator[Exchanged]:
     if source == target:
         return
     published, subscribed = uses[source].publishes, uses[target].subscribes
-    usual = typical_types(source, target)
+    usual = typical_types(source, target) - absent
     for type in sorted(usual | _read_types(published, subscribed)):
         if _handed_on(type, source, target, uses):
             continue
@@ -239,18 +276,18 @@ def _handed_on(type: str, source: str, target: str, uses: Mapping[str, _Use]) ->
 
 
 def _counted(type: str, source: _Use, target: _Use) -> Exchanged:
-    sent, heard = source.publishes[type], target.subscribes[type]
-    if sent and heard:
-        return Exchanged(type=type, publishers=sent, subscribers=heard, basis=Basis.SOURCE)
     package = type.partition("/")[0]
-    sent, heard = sent or source.depends[package], heard or target.depends[package]
-    basis = Basis.MANIFEST if sent and heard else Basis.TYPICAL
-    return Exchanged(type=type, publishers=sent, subscribers=heard, basis=basis)
+    return Exchanged(
+        type=type,
+        publishers=source.publishes[type],
+        subscribers=target.subscribes[type],
+        from_depends=source.depends[package],
+        to_depends=target.depends[package],
+    )
 
 
 def _best_first(message: Exchanged) -> tuple[int, int, str]:
-    known = min(message.publishers, message.subscribers)
-    return list(Basis).index(message.basis), -known, message.type
+    return list(Basis).index(message.basis), -min(message.sides), message.type
 
 
 def _indirect(uses: Mapping[str, _Use]) -> Iterator[IndirectInteraction]:

@@ -108,11 +108,17 @@ def _with(node: Node, found: NodeFunctions) -> Node:
 
 
 def _functions(node: Node, traffic: NodeTraffic, told: _Told) -> NodeFunctions:
+    """Return a node's functions: the one that is given, and others where they fit to it."""
+    found = _found(node, traffic, told)
+    if node.function is None:
+        return found
+    fitting = found.functions if node.function in found.functions else ()
+    others = (each for each in fitting if each is not node.function)
+    return NodeFunctions(functions=(node.function, *others), told_by=ToldBy.GIVEN)
+
+
+def _found(node: Node, traffic: NodeTraffic, told: _Told) -> NodeFunctions:
     known = _known_functions(node)
-    if node.function is not None:
-        own = known if node.function in known else (node.function,)
-        first = (node.function, *(each for each in own if each is not node.function))
-        return NodeFunctions(functions=first, told_by=ToldBy.GIVEN)
     if known:
         return NodeFunctions(functions=known, told_by=ToldBy.KNOWN)
     return agreed(

@@ -1,15 +1,20 @@
 """A repository as the classifier sees it: names, manifests' descriptions and README."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Package:
-    """A package: its name, its manifest's description and the packages its manifest depends on."""
+    """A package: its name, its manifest's description and the packages its manifest depends on.
+
+    `folder` is where it lies, None for one that is only told of.
+    """
 
     name: str
     description: str = ""
     depends: tuple[str, ...] = ()
+    folder: Path | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

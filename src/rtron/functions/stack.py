@@ -12,7 +12,7 @@ from rtron.functions.scores import Scores
 from rtron.vocabulary import Domain, FunctionType
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
 _SUPPORT: dict[FunctionType, float] = {
     FunctionType.MOBILE: 3.1,
@@ -23,15 +23,17 @@ _SUPPORT: dict[FunctionType, float] = {
 }
 _OTHER_SUPPORT = 2.5
 _ROBOTS = (FunctionType.MOBILE, FunctionType.MANIPULATOR)
-_MESSAGES = ("msgs",)
-_CLEARLY = 4.0
+_MESSAGES = (("msgs",), ("srvs",), ("messages",), ("interfaces",))
+_CLEARLY = 4.1
 _MANY = 0.4
-_NEARLY = 0.8
+_SOME = 0.2
+_NEARLY = 0.85
 
 
 def functional(packages: Mapping[str, Scores]) -> Mapping[str, Scores]:
-    """Return the packages that are not messages only, or all where there are no others."""
-    return {n: s for n, s in packages.items() if not _is_messages(n)} or packages
+    """Return the packages that are not messages or tests only, or all if there are no others."""
+    own = {n: s for n, s in packages.items() if not _is_messages(n) and not _is_test(n)}
+    return own or packages
 
 
 def stack_scores(packages: Iterable[Scores]) -> Scores:
@@ -50,7 +52,7 @@ def union(
         others = []
     elif len(packages) > 1:
         counts = _clear(packages.values()).most_common()
-        others = [type for type, count in counts if _has(type, primary, count / len(packages))]
+        others = [type for type, count in counts if count >= _least(type, primary) * len(packages)]
     else:
         ranked = weighed.ranked(_threshold(weighed))
         others = [type for type in ranked if type is not FunctionType.EXTENSION]
@@ -58,22 +60,43 @@ def union(
 
 
 def _tops(packages: Iterable[Scores]) -> Counter[FunctionType]:
-    return Counter(ranked[0] for scores in packages if (ranked := scores.ranked()))
+    """Count what each package tells most strongly; a robot's name tells nothing of a package."""
+    ranked = ((scores, type) for scores in packages for type in scores.ranked()[:1])
+    return Counter(
+        type for scores, type in ranked if type not in _ROBOTS or scores.weights[type] >= _CLEARLY
+    )
 
 
 def _clear(packages: Iterable[Scores]) -> Counter[FunctionType]:
-    return Counter(type for scores in packages for type in scores.ranked(_threshold(scores)))
+    return Counter(type for scores in packages for type in _clearly(scores))
+
+
+def _clearly(scores: Scores) -> Iterator[FunctionType]:
+    """Yield a package's clear types; an Extension is one only if nothing else is clearer."""
+    for at, type in enumerate(scores.ranked(_threshold(scores))):
+        if at == 0 or type is not FunctionType.EXTENSION:
+            yield type
 
 
 def _threshold(scores: Scores) -> float:
     return max(_CLEARLY, _NEARLY * max(scores.weights.values(), default=0.0))
 
 
-def _has(type: FunctionType, primary: FunctionType, share: float) -> bool:
-    """Tell whether a stack has a type: the robot that it is for and its tools are not functions."""
-    named = DOMAIN_OF[primary] is not Domain.DRIVERS and type in _ROBOTS
-    return share >= _MANY or not (named or type is FunctionType.EXTENSION)
+def _least(type: FunctionType, primary: FunctionType) -> float:
+    """Return the share of its packages that a stack needs to have a type.
+
+    The robot that a stack is only for, its tools and a GUI beside it are no functions of it.
+    """
+    if type in _ROBOTS or type is FunctionType.EXTENSION:
+        return _MANY
+    beside = type is FunctionType.VISUALIZATION and DOMAIN_OF[primary] is not Domain.DRIVERS
+    return _SOME if beside else 0.0
 
 
 def _is_messages(package: str) -> bool:
-    return name_tokens(package).stems[-1:] == _MESSAGES
+    return name_tokens(package).words[-1:] in _MESSAGES
+
+
+def _is_test(package: str) -> bool:
+    stems = name_tokens(package).stems
+    return "test" in (*stems[:1], *stems[-1:])

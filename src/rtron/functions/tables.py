@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from rtron.functions.classification import Classification, DecidedBy
+from rtron.functions.classification import Classification, DecidedBy, Evidence, Piece
 from rtron.functions.domains import DOMAIN_OF
 from rtron.functions.tally import Tally
 from rtron.vocabulary import Domain, FunctionType
@@ -54,8 +54,16 @@ def _counted(classification: Classification) -> Iterator[tuple[FunctionType, Dec
 
 
 def _decided(classification: Classification, type: FunctionType) -> DecidedBy:
-    """Return what decided a repository's type; the first piece that told it, if not the primary."""
+    """Return what decided a repository's type: of one that is not the primary, what told it first.
+
+    A package's name stands in its manifest: only that of the repository counts as a name.
+    """
     if type is classification.primary:
         return classification.decided_by
-    pieces = {str(each.piece) for each in classification.evidence if each.type is type}
+    pieces = {_piece(each) for each in classification.evidence if each.type is type}
     return next((by for by in DecidedBy if str(by) in pieces), classification.decided_by)
+
+
+def _piece(evidence: Evidence) -> Piece:
+    named = evidence.piece is Piece.NAME and evidence.package
+    return Piece.MANIFEST if named else evidence.piece

@@ -1,19 +1,20 @@
 """Which publisher goes first until the developer says otherwise.
 
 Your own nodes go before nodes of unknown origin, and these before third parties' nodes: a name
-proves nothing, the place of a package does. Among equals go first the nodes that plan or track a
+proves nothing, the place of a package does. So what a node that is not yours is called may put it
+behind others, never before them. Among equals go first the nodes that plan or track a
 path or serve an action, then those that work from what they hear, then teleoperation and nodes that
 only speak (a keyboard), and tools that show things last. What remains equal goes by name.
 """
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from rtron.vocabulary import FunctionType, InteractionGraph, Node, Trust
 
 _TRUST = {Trust.OWN: 0, Trust.UNKNOWN: 1, Trust.THIRD_PARTY: 2}
 _NAVIGATES, _WORKS, _SPEAKS, _SHOWS = range(4)
-_FUNCTIONS = {
+_FUNCTIONS: Mapping[FunctionType | None, int] = {
     FunctionType.PATH_PLANNING: _NAVIGATES,
     FunctionType.GOAL_PLANNER: _NAVIGATES,
     FunctionType.PATH_TRACKING: _NAVIGATES,
@@ -40,8 +41,11 @@ class Ranking:
         return _TRUST[node.trust], self._calling(node), name
 
     def _calling(self, node: Node) -> int:
-        if node.function in _FUNCTIONS:
-            return _FUNCTIONS[node.function]
+        seen = self._seen(node)
+        told = _FUNCTIONS.get(node.function, seen)
+        return told if node.trust is Trust.OWN else max(told, seen)
+
+    def _seen(self, node: Node) -> int:
         if node.name in self.viewers:
             return _SHOWS
         if node.name in self.servers:

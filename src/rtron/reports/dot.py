@@ -46,7 +46,11 @@ def _lines(graph: InteractionGraph, colours: Paint) -> Iterator[str]:
     topics = _numbered("t", dict.fromkeys(endpoint.topic for endpoint in explicit))
     yield _HEAD
     yield f"  label={_quoted(graph.app)}"
-    yield from (_vertex(id, name, _node_look(name, colours)) for name, id in nodes.items())
+    told = {
+        node.name: f", tooltip={_quoted(node.function)}" for node in graph.nodes if node.function
+    }
+    for name, id in nodes.items():
+        yield _vertex(id, name, _node_look(name, colours) + told.get(name, ""))
     yield from (_vertex(id, name, _topic_look(name, colours)) for name, id in topics.items())
     for node, topic, direction in dict.fromkeys((e.node, e.topic, e.direction) for e in explicit):
         ends = (nodes[node], topics[topic])

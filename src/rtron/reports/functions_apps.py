@@ -5,7 +5,7 @@ from typing import Any
 
 from rich.text import Text
 
-from rtron.functions.apps import PAPERS_APPS, AppRow, CategoryCount
+from rtron.functions.apps import PAPERS_APPS, AppRow, CategoryCount, Nearest
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
 from rtron.vocabulary import FunctionType
 
@@ -41,8 +41,11 @@ def apps_to_json(rows: Sequence[AppRow], counts: Sequence[CategoryCount]) -> dic
 def _nearest(row: AppRow) -> dict[str, Any] | None:
     if row.nearest is None:
         return None
-    missing = [str(function) for function in row.nearest.missing]
-    return {"category": row.nearest.category, "missing": missing}
+    return {
+        "categories": list(row.nearest.categories),
+        "missing": list(map(str, row.nearest.lack.missing)),
+        "one_of": list(map(str, row.nearest.lack.one_of)),
+    }
 
 
 def _lines(rows: Sequence[AppRow], counts: Sequence[CategoryCount], page: Page) -> Iterator[Text]:
@@ -56,10 +59,16 @@ def _lines(rows: Sequence[AppRow], counts: Sequence[CategoryCount], page: Page) 
 def _app(row: AppRow, page: Page) -> Iterator[Text]:
     yield line((row.app, "bold"), "  ", (", ".join(row.categories) or _NONE, "green"))
     if row.nearest:
-        lacks = ", ".join(map(str, row.nearest.missing))
-        yield from paragraph(f"nearest: {row.nearest.category}, without {lacks}", page, indent=2)
+        yield from paragraph(_near(row.nearest, larger=bool(row.categories)), page, indent=2)
     said = ", ".join(f"{name} {len(nodes)}" for name, nodes in row.functions.items())
     yield from paragraph(said or "no function is known", page, indent=2, style="dim")
+
+
+def _near(nearest: Nearest, *, larger: bool) -> str:
+    lacks = [*map(str, nearest.lack.missing)]
+    lacks += [" or ".join(map(str, nearest.lack.one_of))] if nearest.lack.one_of else []
+    word = "nearest larger" if larger else "nearest"
+    return f"{word}: {' / '.join(nearest.categories)}, without {', '.join(lacks)}"
 
 
 def category_rows(counts: Iterable[CategoryCount], apps: int) -> list[tuple[str, ...]]:

@@ -19,6 +19,8 @@ _TOLD = {
     Piece.README: "README",
 }
 _PACKAGE = "package "
+_NOTHING = "no rule tells what this is: no name, no description, no README"
+_WEAK = "cannot tell: what matches is too weak, or speaks for several functions alike"
 _MAX_ROWS = 20
 _MAX_WORDS = 4
 Key: TypeAlias = tuple[str, Piece, str]
@@ -38,7 +40,8 @@ def _lines(
     page: Page,
 ) -> Iterator[Text]:
     yield from _header(repository, classification, page)
-    decided = {(each.package, each.piece, each.rule) for each in classification.evidence}
+    deciding = classification.evidence if classification.functions else ()
+    decided = {(each.package, each.piece, each.rule) for each in deciding}
     for place, group in groupby(matched, _place):
         yield from heading(place or f"repository {repository.name}")
         package = place.removeprefix(_PACKAGE)
@@ -59,8 +62,7 @@ def _header(repository: Repository, classification: Classification, page: Page) 
     read += ["a README"] if repository.readme else []
     yield line((repository.name, "bold"), f"  {', '.join(read)}")
     if classification.decided_by is DecidedBy.NONE:
-        said = "no rule tells what this is: no name, no description, no README"
-        yield from paragraph(said, page, style="yellow")
+        yield from paragraph(_WEAK if classification.evidence else _NOTHING, page, style="yellow")
         return
     decided = _TOLD[Piece(classification.decided_by)]
     primary = (str(classification.primary), "bold green")

@@ -1,22 +1,23 @@
 """Where the functions stand in the picture of their interaction graph, in pixels.
 
-Stages stand from left to right as in the paper's figure, the environment below.
+Stages stand from left to right as in the paper's figure, the environment below. A column that no
+function stands in takes no room.
 """
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 
 from rtron.functions.graph import FunctionNode
 from rtron.reports.functions_graph_words import STAGES, stage_of
 from rtron.vocabulary import FunctionType
 
-NODE_WIDTH, NODE_HEIGHT = 172, 48
-GAP, SLOT, MARGIN, LANE = 200, 96, 30, 22
-HEADER, PAD = 34, 14
-ENVIRONMENT_HEIGHT, BELOW = 40, 40
+NODE_WIDTH, NODE_HEIGHT = 204, 54
+GAP, MARGIN, LANE = 230, 30, 26
+HEADER, PAD, AIR = 40, 36, 4
+_TITLE_LETTER = 11
 _COLUMN = {stage: number + (number > 1) for number, stage in enumerate(STAGES)}
-LAST_COLUMN = max(_COLUMN.values())
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,86 +29,116 @@ class Box:
     width: float
     height: float
 
+    @property
+    def right(self) -> float:
+        """Where it ends on the right."""
+        return self.x + self.width
+
+    @property
+    def bottom(self) -> float:
+        """Where it ends below."""
+        return self.y + self.height
+
     def overlap(self, other: "Box") -> float:
         """Return the area that two rectangles share."""
-        width = min(self.x + self.width, other.x + other.width) - max(self.x, other.x)
-        height = min(self.y + self.height, other.y + other.height) - max(self.y, other.y)
+        width = min(self.right, other.right) - max(self.x, other.x)
+        height = min(self.bottom, other.bottom) - max(self.y, other.y)
         return max(width, 0) * max(height, 0)
+
+    def wider(self, by: float) -> "Box":
+        """Return the rectangle with so much more on each side."""
+        return Box(self.x - by, self.y - by, self.width + 2 * by, self.height + 2 * by)
 
 
 @dataclass(slots=True)
 class Ground:
-    """The functions in their places, and what the arrows leave free."""
+    """The functions in their places, what labels have taken, and the level and upright lines.
+
+    `clash` is the area that labels share with what was written there before; `passing` are the
+    columns and heights at which arrows pass between functions.
+    """
 
     nodes: dict[str, Box]
-    columns: dict[str, int]
+    columns: Mapping[str, int]
+    top: float
     floor: float
     taken: list[Box] = field(default_factory=list)
+    lines: list[Box] = field(default_factory=list)
+    clash: float = 0
+    passing: set[tuple[int, int]] = field(default_factory=set)
+
+    def place(self, spots: Iterable[Box]) -> Box:
+        """Take the first of some rectangles that is free, else the one that covers least.
+
+        To cover lines is not as bad as to cover what is written.
+        """
+        best, least = Box(0, 0, 0, 0), (inf, inf)
+        for spot in spots:
+            covered = sum(map(spot.overlap, self.taken)), sum(map(spot.overlap, self.lines))
+            if covered < least:
+                best, least = spot, covered
+            if not any(covered):
+                break
+        self.clash += least[0]
+        self.taken.append(best.wider(AIR))
+        return best
 
 
-def column_of(node: FunctionNode) -> int:
-    """Return the column: Perception has two, Preprocessing before what works on its data."""
+def columns_of(functions: Iterable[FunctionNode]) -> dict[str, int]:
+    """Return each function's column: Perception has two, Preprocessing before what works on it."""
+    wanted = {node.name: _column(node) for node in functions}
+    used = sorted(set(wanted.values()))
+    return {name: used.index(column) for name, column in wanted.items()}
+
+
+def _column(node: FunctionNode) -> int:
     stage = stage_of(node)
     behind = stage == "Perception" and node.function is not FunctionType.PREPROCESSING
     return _COLUMN[stage] + behind
 
 
 def left_of(column: int) -> float:
-    """Return the left edge of a column."""
-    return MARGIN * 2 + column * (NODE_WIDTH + GAP)
+    """Return the left edge of a column's functions."""
+    return MARGIN * 2 + PAD + column * (NODE_WIDTH + GAP)
 
 
-def placed(functions: Sequence[FunctionNode], columns: Mapping[str, int], top: float) -> Ground:
-    """Return the functions in their columns, each column spread over the height below `top`."""
+def placed(columns: Mapping[str, int], top: float, slot: float) -> Ground:
+    """Return the functions in their columns, each column spread over the height below `top`.
+
+    The fullest column has one function in each `slot` pixels.
+    """
     stacks: dict[int, list[str]] = defaultdict(list)
-    for node in functions:
-        stacks[columns[node.name]].append(node.name)
-    rows = max(map(len, stacks.values()), default=1)
+    for name, column in columns.items():
+        stacks[column].append(name)
+    height = slot * max(map(len, stacks.values()), default=1)
     boxes = {
-        name: Box(left_of(column), top + _row(row, len(names), rows), NODE_WIDTH, NODE_HEIGHT)
+        name: Box(left_of(column), top + y, NODE_WIDTH, NODE_HEIGHT)
         for column, names in stacks.items()
-        for row, name in enumerate(names)
+        for name, y in zip(names, _spread(len(names), height), strict=True)
     }
-    floor = top + rows * SLOT
-    ground = Ground({n.name: boxes[n.name] for n in functions}, dict(columns), floor)
-    ground.taken.extend(boxes.values())
-    return ground
+    ordered = {name: boxes[name] for name in columns}
+    return Ground(ordered, columns, top, top + height, taken=list(boxes.values()))
 
 
-def _row(row: int, count: int, rows: int) -> float:
-    """Return how far below the top a function stands: a column is spread over the whole height."""
-    slot = SLOT * rows / count
-    return slot * (row + 0.5) - NODE_HEIGHT / 2
+def _spread(count: int, height: float) -> Sequence[float]:
+    """Return how far below the top each of a column's functions stands."""
+    slot = height / count
+    return [slot * (row + 0.5) - NODE_HEIGHT / 2 for row in range(count)]
 
 
 def stages_of(functions: Iterable[FunctionNode], ground: Ground) -> Mapping[str, Box]:
-    """Return the frame around each stage that has a function."""
+    """Return the frame around each stage that has a function; its title's place is taken."""
     inside: dict[str, list[Box]] = defaultdict(list)
     for node in functions:
         inside[stage_of(node)].append(ground.nodes[node.name])
-    top = ground.floor - SLOT * _rows(ground) - HEADER + PAD
-    return {
-        stage: Box(
-            min(box.x for box in inside[stage]) - PAD,
-            top,
-            max(box.x for box in inside[stage])
-            - min(box.x for box in inside[stage])
-            + NODE_WIDTH
-            + 2 * PAD,
-            ground.floor - top,
-        )
-        for stage in STAGES
-        if inside[stage]
-    }
+    frames = {stage: _frame(inside[stage], ground) for stage in STAGES if inside[stage]}
+    for stage, frame in frames.items():
+        width = len(stage) * _TITLE_LETTER
+        ground.taken.append(Box(frame.x + (frame.width - width) / 2, frame.y, width, HEADER - AIR))
+    return frames
 
 
-def _rows(ground: Ground) -> int:
-    columns = list(ground.columns.values())
-    return max((columns.count(column) for column in columns), default=1)
-
-
-def environment_of(ground: Ground) -> Box:
-    """Return the box below all stages."""
-    left = min(box.x for box in ground.nodes.values())
-    right = max(box.x for box in ground.nodes.values()) + NODE_WIDTH
-    return Box(left, ground.floor + BELOW, right - left, ENVIRONMENT_HEIGHT)
+def _frame(boxes: Sequence[Box], ground: Ground) -> Box:
+    left, right = min(box.x for box in boxes) - PAD, max(box.right for box in boxes) + PAD
+    top = ground.top - HEADER
+    return Box(left, top, right - left, ground.floor - top)

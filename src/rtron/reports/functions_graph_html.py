@@ -8,8 +8,9 @@ from html import escape
 from string import Template
 
 from rtron.functions.graph import AbstractGraph
+from rtron.reports.functions_graph_legend import notes
 from rtron.reports.functions_graph_svg import functions_to_svg
-from rtron.reports.functions_graph_words import evidence_words, left_out_words
+from rtron.reports.functions_graph_words import evidence_words
 from rtron.reports.inline import page_text, policy
 from rtron.reports.lines import counted
 from rtron.reports.neutral import neutral
@@ -24,9 +25,10 @@ def functions_to_html(graph: AbstractGraph) -> str:
         program=program,
         summary=_summary(graph),
         picture=functions_to_svg(graph),
-        drawn=left_out_words(graph),
+        notes="\n".join(f"<p>{escape(note)}</p>" for note in notes(graph)),
         direct="\n".join(_direct(graph)),
         indirect="\n".join(_indirect(graph)),
+        unresolved="\n".join(_unresolved(graph)),
     )
 
 
@@ -46,6 +48,16 @@ def _direct(graph: AbstractGraph) -> Iterator[str]:
 
 def _indirect(graph: AbstractGraph) -> Iterator[str]:
     return (_row(edge.source, edge.target, edge.through) for edge in graph.indirect)
+
+
+def _unresolved(graph: AbstractGraph) -> Iterator[str]:
+    if not graph.unresolved:
+        return
+    yield "<h2>What could not be read</h2>\n<ul>"
+    for note in graph.unresolved:
+        places = ", ".join(f"{each.file}:{each.line}" for each in note.evidence)
+        yield f"<li>{escape(neutral(f'{note.what}: {note.why} ({places})'))}</li>"
+    yield "</ul>"
 
 
 def _row(source: str, target: str, *more: str) -> str:

@@ -12,6 +12,8 @@ def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:
         "schema": FUNCTIONS_SCHEMA,
         "packages": graph.packages,
         "outside": graph.outside,
+        "repeated": graph.repeated,
+        "known": {basis.value: number for basis, number in graph.known().items()},
         "functions": [
             {
                 "name": node.name,
@@ -26,6 +28,7 @@ def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:
             {"from": edge.source, "to": edge.target, "through": edge.through}
             for edge in graph.indirect
         ],
+        "unresolved": [asdict(note) for note in graph.unresolved],
     }
 
 

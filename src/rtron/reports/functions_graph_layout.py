@@ -4,61 +4,81 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rtron.functions.graph import AbstractGraph
+from rtron.reports.functions_graph_curves import curves
+from rtron.reports.functions_graph_environment import (
+    EnvironmentLane,
+    environment_lanes,
+    environment_of,
+)
 from rtron.reports.functions_graph_ground import (
-    BELOW,
-    ENVIRONMENT_HEIGHT,
     HEADER,
     LANE,
-    LAST_COLUMN,
     MARGIN,
-    NODE_WIDTH,
+    PAD,
     Box,
-    column_of,
-    environment_of,
-    left_of,
+    columns_of,
     placed,
     stages_of,
 )
-from rtron.reports.functions_graph_routes import (
-    Line,
-    backward,
-    curves,
-    is_forward,
-    lanes,
-    through,
-)
+from rtron.reports.functions_graph_routes import Line, backward, is_forward, lanes
+
+LEGEND_WIDTH, LEGEND_ROW = 700, 24
+_SLOTS = (112, 128, 148, 172, 200)
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The whole picture: functions and stages by name, the environment, and the arrows."""
+    """The whole picture: functions and stages by name, the environment, arrows and legend.
+
+    `clash` is the area that labels share with what else stands there.
+    """
 
     width: float
     height: float
     nodes: Mapping[str, Box]
     stages: Mapping[str, Box]
     environment: Box | None
+    lanes: Sequence[EnvironmentLane]
     direct: Sequence[Line]
     indirect: Sequence[Line]
+    legend: Box
+    clash: float
 
 
-def lay_out(graph: AbstractGraph) -> Layout:
-    """Return the picture of a graph; the same graph gives the same picture."""
-    columns = {node.name: column_of(node) for node in graph.functions}
+def lay_out(graph: AbstractGraph, legend_rows: int) -> Layout:
+    """Return the picture of a graph; the same graph gives the same picture.
+
+    It is as high as its labels need to stand apart from one another.
+    """
+    best = _laid_out(graph, legend_rows, _SLOTS[0])
+    for slot in _SLOTS[1:]:
+        if not best.clash:
+            break
+        best = min(best, _laid_out(graph, legend_rows, slot), key=lambda each: each.clash)
+    return best
+
+
+def _laid_out(graph: AbstractGraph, legend_rows: int, slot: float) -> Layout:
+    columns = columns_of(graph.functions)
     back = backward(graph.direct, columns)
-    top = MARGIN + LANE * len(back) + HEADER
-    ground = placed(graph.functions, columns, top)
+    ground = placed(columns, MARGIN + LANE * len(back) + HEADER, slot)
+    stages = stages_of(graph.functions, ground)
+    environment = environment_of(graph, ground)
+    through = environment_lanes(graph, environment, ground) if environment else ([], [])
     forward = [edge for edge in graph.direct if is_forward(edge, columns)]
     direct = [*lanes(graph.direct, back, ground), *curves(forward, ground)]
-    environment = environment_of(ground) if graph.indirect else None
-    indirect = through(graph, environment, ground) if environment else []
-    height = ground.floor + (BELOW + ENVIRONMENT_HEIGHT if environment else 0) + MARGIN
+    bottom = environment.bottom if environment else ground.floor
+    right = max((box.right for box in (*ground.taken, *ground.lines)), default=0) + PAD
+    legend = Box(MARGIN * 2, bottom + MARGIN, LEGEND_WIDTH, LEGEND_ROW * legend_rows)
     return Layout(
-        width=left_of(LAST_COLUMN) + NODE_WIDTH + MARGIN * 2,
-        height=height,
+        width=max(right, legend.right) + MARGIN,
+        height=legend.bottom + MARGIN / 2,
         nodes=ground.nodes,
-        stages=stages_of(graph.functions, ground),
+        stages=stages,
         environment=environment,
+        lanes=through[0],
         direct=direct,
-        indirect=indirect,
+        indirect=through[1],
+        legend=legend,
+        clash=ground.clash,
     )

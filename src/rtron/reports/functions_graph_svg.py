@@ -3,12 +3,14 @@
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
-from rtron.functions.graph import AbstractGraph, DirectInteraction, FunctionNode
+from rtron.functions.graph import AbstractGraph, Basis, DirectInteraction, FunctionNode
 from rtron.functions.main_flow import main_flow
+from rtron.reports.functions_graph_environment import EnvironmentLane
 from rtron.reports.functions_graph_ground import Box
-from rtron.reports.functions_graph_layout import Layout, lay_out
+from rtron.reports.functions_graph_layout import LEGEND_ROW, Layout, lay_out
+from rtron.reports.functions_graph_legend import LOOKS, WORDS, legend_lines, notes
 from rtron.reports.functions_graph_routes import LINE, Line
-from rtron.reports.functions_graph_words import ENVIRONMENT, evidence_words, is_read, stage_of
+from rtron.reports.functions_graph_words import ENVIRONMENT, best_basis, evidence_words, stage_of
 from rtron.reports.lines import counted
 from rtron.reports.neutral import neutral
 
@@ -21,48 +23,75 @@ _FILLS = {
     "Control": "#fbeaea",
     "Drivers": "#eef3f7",
 }
-_ARROWS = """\
-<defs>
-<marker id="solid" viewBox="0 0 8 8" refX="7" refY="4" \
-markerUnits="userSpaceOnUse" markerWidth="9" markerHeight="9" \
-orient="auto"><path d="M0,0 L8,4 L0,8 z" fill="#555"/></marker>
-<marker id="dotted" viewBox="0 0 8 8" refX="7" refY="4" \
-markerUnits="userSpaceOnUse" markerWidth="9" markerHeight="9" \
-orient="auto"><path d="M0,0 L8,4 L0,8 z" fill="#8a5a9e"/></marker>
-</defs>"""
-_LEGEND = "solid: direct interaction, strong where read in source; dotted: through the environment"
+_CHANGES = ("#7b3fa0", "#0b6e99", "#b35c00")
+_SAMPLE = 44
 
 
 def functions_to_svg(graph: AbstractGraph) -> str:
     """Return the picture of a graph's main flow as an SVG document."""
-    drawn = main_flow(graph)
-    return "\n".join(_lines(drawn, lay_out(drawn))) + "\n"
+    drawn, told = main_flow(graph), notes(graph)
+    legend = list(legend_lines(drawn))
+    layout = lay_out(drawn, len(legend) + len(told))
+    return "\n".join((*_lines(drawn, layout, told), *_legend(layout, legend, told), "</svg>\n"))
 
 
-def _lines(graph: AbstractGraph, layout: Layout) -> Iterator[str]:
+def _lines(graph: AbstractGraph, layout: Layout, told: Sequence[str]) -> Iterator[str]:
     edges = {(edge.source, edge.target): edge for edge in graph.direct}
+    colours = _colours(layout.lanes)
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {layout.width:.0f} '
         f'{layout.height:.0f}" width="{layout.width:.0f}" height="{layout.height:.0f}" '
-        f'font-family="{_FONT}" role="img" aria-label="{_TITLE}">'
+        f'font-family="{_FONT}" role="group" aria-labelledby="graph-title graph-desc">'
     )
-    yield f"<title>{_TITLE}</title>"
-    yield _ARROWS
+    yield f'<title id="graph-title">{_TITLE}</title>'
+    yield f'<desc id="graph-desc">{_safe(_description(graph, told))}</desc>'
+    yield from _arrowheads(colours)
     yield f'<rect width="{layout.width:.0f}" height="{layout.height:.0f}" fill="white"/>'
     yield from (_stage(name, box) for name, box in layout.stages.items())
-    yield from (_dotted(line) for line in layout.indirect)
-    yield from (_solid(line, edges[line.source, line.target]) for line in layout.direct)
+    yield from _environment(layout, colours)
+    yield from (_dotted(line, colours[line.through]) for line in layout.indirect)
+    yield from (_solid(line, edges[line.sources[0], line.targets[0]]) for line in layout.direct)
     yield from _functions(graph.functions, layout.nodes)
-    yield from (_label(line) for line in layout.direct if line.label)
-    yield from _environment(layout)
-    yield "</svg>"
+    yield from (_label(line, line.label) for line in layout.direct if line.label)
+
+
+def _description(graph: AbstractGraph, told: Sequence[str]) -> str:
+    names = ", ".join(node.name for node in graph.functions) or "none"
+    return " ".join((f"Functions: {names}.", *told))
+
+
+def _colours(lanes: Sequence[EnvironmentLane]) -> Mapping[str, str]:
+    return {
+        lane.line.through: _CHANGES[number % len(_CHANGES)] for number, lane in enumerate(lanes)
+    }
+
+
+def _arrowheads(colours: Mapping[str, str]) -> Iterator[str]:
+    yield "<defs>"
+    for basis, (colour, _) in LOOKS.items():
+        yield _arrowhead(basis.value, colour)
+    for through, colour in colours.items():
+        yield _arrowhead(_id(through), colour)
+    yield "</defs>"
+
+
+def _arrowhead(name: str, colour: str) -> str:
+    return (
+        f'<marker id="{name}" viewBox="0 0 8 8" refX="7" refY="4" markerUnits="userSpaceOnUse" '
+        f'markerWidth="10" markerHeight="10" orient="auto">'
+        f'<path d="M0,0 L8,4 L0,8 z" fill="{colour}"/></marker>'
+    )
+
+
+def _id(through: str) -> str:
+    return "through-" + "".join(letter if letter.isalnum() else "-" for letter in through)
 
 
 def _stage(name: str, box: Box) -> str:
     return (
         f"<g>{_rect(box, _FILLS[name], '#c9c9c9')}"
-        f'<text x="{box.x + box.width / 2:.0f}" y="{box.y + 19:.0f}" text-anchor="middle" '
-        f'font-size="15" font-weight="bold" fill="#444">{name}</text></g>'
+        f'<text x="{box.x + box.width / 2:.0f}" y="{box.y + 24:.0f}" text-anchor="middle" '
+        f'font-size="18" font-weight="bold" fill="#444">{name}</text></g>'
     )
 
 
@@ -81,64 +110,108 @@ def _functions(functions: Sequence[FunctionNode], boxes: Mapping[str, Box]) -> I
             f'<g class="function" data-name="{_safe(node.name)}" data-stage="{stage_of(node)}">'
             f'<ellipse cx="{x:.0f}" cy="{y:.0f}" rx="{box.width / 2:.0f}" '
             f'ry="{box.height / 2:.0f}" fill="#d9d9d9" stroke="#777"/>'
-            f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="middle" font-size="13">'
+            f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="middle" font-size="15.5">'
             f"{_safe(node.name)}</text>"
-            f'<text x="{x:.0f}" y="{y + 14:.0f}" text-anchor="middle" font-size="10" '
-            f'fill="#555">{counted(node.packages, "package")}</text></g>'
+            f'<text x="{x:.0f}" y="{y + 17:.0f}" text-anchor="middle" font-size="13" '
+            f'fill="#444">{counted(node.packages, "package")}</text></g>'
         )
 
 
 def _solid(line: Line, edge: DirectInteraction) -> str:
-    look = 'stroke="#333" stroke-width="1.8"' if is_read(edge) else 'stroke="#777"'
+    basis = best_basis(edge)
     told = "\n".join(f"{m.type}: {evidence_words(m)}" for m in edge.messages)
     return (
-        f'<path class="edge" {_ends(line)} d="{line.path}" fill="none" {look} '
-        f'marker-end="url(#solid)"><title>{_safe(f"{edge.source} -> {edge.target}")}\n'
+        f'<path class="edge" {_ends(line)} d="{line.path}" fill="none" {_stroke(basis)} '
+        f'marker-end="url(#{basis.value})"><title>{_safe(f"{edge.source} -> {edge.target}")}\n'
         f"{_safe_lines(told)}</title></path>"
     )
 
 
-def _dotted(line: Line) -> str:
+def _stroke(basis: Basis) -> str:
+    colour, width = LOOKS[basis]
+    return f'stroke="{colour}" stroke-width="{width}"'
+
+
+def _dotted(line: Line, colour: str) -> str:
+    head = f' marker-end="url(#{_id(line.through)})"' if line.head else ""
+    return f"{_dots(line, colour)}{head}>{_through(line)}</path>"
+
+
+def _dots(line: Line, colour: str) -> str:
     return (
-        f'<path class="edge" {_ends(line)} d="{line.path}" fill="none" stroke="#8a5a9e" '
-        'stroke-width="1.4" stroke-dasharray="1.5 4" stroke-linecap="round" '
-        'marker-end="url(#dotted)"/>'
+        f'<path class="edge" {_ends(line)} d="{line.path}" fill="none" stroke="{colour}" '
+        'stroke-width="2" stroke-dasharray="0.1 5" stroke-linecap="round"'
     )
 
 
-def _label(line: Line) -> str:
-    box = line.label
-    if box is None:
-        return ""
-    x = box.x + box.width / 2
-    rows = "".join(
-        f'<tspan x="{x:.0f}" y="{box.y + LINE * (number + 0.8):.0f}">{_safe(text)}</tspan>'
-        for number, text in enumerate(line.lines)
+def _through(line: Line) -> str:
+    ends = f"{', '.join(line.sources)} -> {', '.join(line.targets)}"
+    return f"<title>{_safe(f'{line.through}: {ends}')}</title>"
+
+
+def _label(line: Line, box: Box) -> str:
+    """Return a label: a line for each word, or all words side by side where it has one line."""
+    x, y = box.x + box.width / 2, box.y + LINE * 0.8
+    down = LINE if box.height > LINE else 0
+    rows = "  ".join(
+        f"<tspan {_at(x, y + down * number) if down else ''}{WORDS[basis]}>{_safe(text)}</tspan>"
+        for number, (text, basis) in enumerate(line.words)
     )
     return (
-        f'<text class="label" {_ends(line)} text-anchor="middle" font-size="10.5" fill="#123" '
-        f'stroke="white" stroke-width="3" paint-order="stroke">{rows}</text>'
+        f'<text class="label" {_ends(line)} {_at(x, y)}text-anchor="middle" font-size="13" '
+        f'stroke="white" stroke-width="3.5" paint-order="stroke">{rows}</text>'
     )
+
+
+def _at(x: float, y: float) -> str:
+    return f'x="{x:.0f}" y="{y:.0f}" '
 
 
 def _ends(line: Line) -> str:
-    return f'data-from="{_safe(line.source)}" data-to="{_safe(line.target)}"'
+    sources, targets = _safe("|".join(line.sources)), _safe("|".join(line.targets))
+    return f'data-from="{sources}" data-to="{targets}"'
 
 
-def _environment(layout: Layout) -> Iterator[str]:
-    if layout.environment is None:
-        return
+def _environment(layout: Layout, colours: Mapping[str, str]) -> Iterator[str]:
     box = layout.environment
-    y = box.y + box.height / 2
-    yield _rect(box, "#f4edf7", "#8a5a9e")
+    if box is None:
+        return
+    yield _rect(box, "#f7f3fa", "#8a8a8a")
+    for lane in layout.lanes:
+        colour = colours[lane.line.through]
+        yield f"{_dots(lane.line, colour)}>{_through(lane.line)}</path>"
+        yield (
+            f'<text class="lane" x="{lane.right + 12:.0f}" y="{lane.y + 5:.0f}" font-size="15" '
+            f'font-weight="bold" fill="{colour}">{_safe(lane.line.through)}</text>'
+        )
     yield (
-        f'<text x="{box.x + box.width / 2:.0f}" y="{y + 5:.0f}" text-anchor="middle" '
-        f'font-size="15" font-weight="bold" fill="#5b3a6b">{ENVIRONMENT}</text>'
+        f'<text x="{box.x + box.width / 2:.0f}" y="{box.bottom - 9:.0f}" text-anchor="middle" '
+        f'font-size="18" font-weight="bold" fill="#444">{ENVIRONMENT}</text>'
     )
-    yield (
-        f'<text x="{box.x + box.width - 12:.0f}" y="{y + 4:.0f}" text-anchor="end" '
-        f'font-size="11" fill="#5b3a6b">{_LEGEND}</text>'
-    )
+
+
+def _legend(
+    layout: Layout, legend: Sequence[tuple[Basis | None, str]], told: Sequence[str]
+) -> Iterator[str]:
+    rows = [*legend, *((None, text) for text in told)]
+    for number, (basis, text) in enumerate(rows):
+        x, y = layout.legend.x, layout.legend.y + LEGEND_ROW * (number + 0.7)
+        sample = number < len(legend)
+        if sample:
+            yield _sample(basis, x, y - 5)
+        look = WORDS[basis] if basis else 'fill="#333"'
+        start = x + _SAMPLE + 10 if sample else x
+        yield f'<text x="{start:.0f}" y="{y:.0f}" font-size="14" {look}>{_safe(text)}</text>'
+
+
+def _sample(basis: Basis | None, x: float, y: float) -> str:
+    path = f"M{x:.0f},{y:.0f} h{_SAMPLE}"
+    if basis is None:
+        return (
+            f'<path d="{path}" fill="none" stroke="{_CHANGES[0]}" stroke-width="2" '
+            'stroke-dasharray="0.1 5" stroke-linecap="round"/>'
+        )
+    return f'<path d="{path}" fill="none" {_stroke(basis)} marker-end="url(#{basis.value})"/>'
 
 
 def _safe(text: str) -> str:

@@ -50,9 +50,19 @@ def risks_to_sarif(graph: InteractionGraph, report: RiskReport, root: Path | Non
         "automationDetails": {"id": f"rtron/{neutral(report.app or 'app')}"},
         "invocations": [_invocation(graph, report, root)],
         "originalUriBaseIds": base_ids(root),
+        "logicalLocations": list(_functions(graph)),
         "results": _results(graph, report, root),
     }
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
+
+
+def _functions(graph: InteractionGraph) -> Iterator[dict[str, Any]]:
+    """Yield the nodes whose function is known, with it (SARIF 2.1.0 section 3.14.17)."""
+    for node in graph.nodes:
+        if node.function:
+            [place] = logical_locations([node.name])
+            domain = node.domain.value if node.domain else ""
+            yield place | {"properties": {"function": node.function.value, "domain": domain}}
 
 
 def _driver() -> dict[str, Any]:

@@ -23,6 +23,7 @@ WORD_LISTS = (
     "action_answer",
     "recog_topic_name",
     "image_type",
+    "preprocessed_type",
     "max_vel_name",
     "max_vel_type",
     "ignored_topics",

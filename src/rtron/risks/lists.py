@@ -30,6 +30,7 @@ class RiskLists:
     action_answer: tuple[str, ...] = ()
     recog_topic_name: tuple[str, ...] = ()
     image_type: tuple[str, ...] = ()
+    preprocessed_type: tuple[str, ...] = ()
     max_vel_name: tuple[str, ...] = ()
     max_vel_type: tuple[str, ...] = ()
     ignored_topics: tuple[str, ...] = ()
@@ -52,6 +53,10 @@ class RiskLists:
     def is_image(self, message_type: str) -> bool:
         """Tell whether a type carries images."""
         return message_type in self._types["image_type"]
+
+    def is_preprocessed(self, message_type: str) -> bool:
+        """Tell whether a type carries sensory data, as Preprocessing hands them on."""
+        return message_type in self._types["preprocessed_type"]
 
     def is_max_vel(self, message_type: str, topic: str) -> bool:
         """Tell whether a topic sets the maximal velocity."""
@@ -89,7 +94,13 @@ class RiskLists:
 
     @cached_property
     def _types(self) -> dict[str, frozenset[str]]:
-        names = ("event_msg_type", "action_msg_type", "image_type", "max_vel_type")
+        names = (
+            "event_msg_type",
+            "action_msg_type",
+            "image_type",
+            "preprocessed_type",
+            "max_vel_type",
+        )
         return {name: frozenset(map(normalise_type, getattr(self, name))) for name in names}
 
     @cached_property

@@ -4,9 +4,10 @@
 
 A topic whose message type is an event (battery, temperature, position and others: EVENT_MSG_TYPE),
 or with `detect` in its name (mission-specific risk, paper section 4.3; Algorithm 1, lines 6 to 8).
-The high-risk nodes are its publishers. Your own nodes of Preprocessing are left out, as the paper's
-text does; somebody else's are not, since a node's function is often told by its name, which anybody
-can choose.
+The high-risk nodes are its publishers. The paper's text leaves out nodes of Preprocessing; here
+your own are left out, where they hand on images, scans, clouds or inertial data. A node's function
+is often told by a name, which anybody can choose: so a stranger's node counts, and so does
+whatever tells more than such data.
 
 ## Why it is a risk
 
@@ -38,13 +39,18 @@ def check(facts: Facts) -> Iterator[Risk]:
     preprocessing = _preprocessing(facts)
     for topic in map(facts.topic, facts.published):
         if _is_event(facts, topic):
-            nodes = tuple(node for node in topic.publishers if node not in preprocessing)
+            left_out = preprocessing if _is_preprocessed(facts, topic) else ()
+            nodes = tuple(node for node in topic.publishers if node not in left_out)
             if nodes:
                 yield _risk(facts, topic, nodes)
 
 
 def _is_event(facts: Facts, topic: TopicFacts) -> bool:
     return facts.lists.names_event(topic.name) or any(map(facts.lists.is_event, topic.types))
+
+
+def _is_preprocessed(facts: Facts, topic: TopicFacts) -> bool:
+    return bool(topic.types) and all(map(facts.lists.is_preprocessed, topic.types))
 
 
 def _preprocessing(facts: Facts) -> frozenset[str]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
+from rtron.errors import InputError
 from rtron.functions.reading.folder import repository_folders
 from rtron.functions.reading.skipped import Note, Skipped
 from rtron.sources.launch.listing import ListedLaunch, launch_files
@@ -37,7 +38,7 @@ def subjects(top: Path, note: Note) -> Iterator[Subject]:
     or cannot be read, is noted. Raise InputError if the folder cannot be read.
     """
     top = top.absolute()
-    found = {folder: launch_files([folder]) for folder in repository_folders(top)}
+    found = {folder: _launches(folder, note) for folder in repository_folders(top)}
     included = frozenset(_included(each for listed in found.values() for each in listed))
     for repository, listed in found.items():
         for launch in (each for each in listed if not _is_included(each, included)):
@@ -47,6 +48,14 @@ def subjects(top: Path, note: Note) -> Iterator[Subject]:
                 note(Skipped(place=subject.app, why=why))
             else:
                 yield subject
+
+
+def _launches(folder: Path, note: Note) -> tuple[ListedLaunch, ...]:
+    try:
+        return launch_files([folder])
+    except InputError as error:
+        note(Skipped(place=str(folder), why=error.why))
+        return ()
 
 
 def _included(launches: Iterable[ListedLaunch]) -> Iterator[Included]:

@@ -232,6 +232,17 @@ def test_what_is_no_file_is_not_opened(read, tmp_path, kind):
         assert "no file" in note.why
 
 
+@pytest.mark.parametrize("suffix", ["xml", "yaml"])
+@pytest.mark.parametrize("place", ["$(dirname)", "$(find-pkg-share {})"])
+def test_a_name_that_no_file_can_have_is_not_opened(tmp_path, place, suffix):
+    long = "n" * 5000
+    app = tmp_path / "app.launch.xml"
+    file = f"{place.format(long)}/{long}.launch.{suffix}"
+    app.write_text(f'<launch><include file="{file}"/></launch>')
+    [note] = read_launch2(app, {}, {"AMENT_PREFIX_PATH": str(tmp_path)}, {}).unresolved
+    assert "File name too long" in note.why or "is not here" in note.why
+
+
 @pytest.mark.parametrize(
     "text", ["launch:\n- node: {name: a, name: b}", "launch:\n- node: {<<: {name: a}, name: b}"]
 )

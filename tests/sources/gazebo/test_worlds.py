@@ -85,7 +85,10 @@ def test_a_models_config_names_its_newest_file(world, models):
     assert found.plugins[0].filename == "new"
 
 
-@pytest.mark.parametrize("uri", ["model://absent", "", "model://", "https://x/y", "model://../x"])
+@pytest.mark.parametrize(
+    "uri",
+    ["model://absent", "", "model://", "https://x/y", "model://../x", "model://" + "n" * 5000],
+)
 def test_an_include_that_is_not_found_leaves_the_rest(uri, world, models):
     found = world(
         f"<world name='w'>\n<include><uri>{uri}</uri></include><plugin filename='a'/></world>",

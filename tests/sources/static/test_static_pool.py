@@ -31,6 +31,14 @@ def test_processes_that_end_cost_no_result(folder):
     assert found == {name: {"/cmd_vel", "/go"} for name in ("/n0", "/n1", "/n2")}
 
 
+def test_no_more_processes_are_started_than_there_are_cores(folder, monkeypatch):
+    monkeypatch.setattr("rtron.sources.static.pool.default_workers", lambda: 2)
+    pool = Pool(read_workspace([folder], {}), 100_000, 60)
+    assert sum(1 for _ in pool.run(tasks_in(folder, 3))) == 3
+    assert len(pool._executor._processes) == 2
+    pool.close()
+
+
 def test_no_tasks_start_no_process(folder):
     pool = Pool(read_workspace([folder], {}), 2, 60)
     assert list(pool.run([])) == []

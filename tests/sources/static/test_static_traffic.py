@@ -1,5 +1,7 @@
 """What the packages of a folder publish and subscribe, read in their programs."""
 
+from dataclasses import replace
+
 import pytest
 
 from rtron.sources.static.options import ScanOptions
@@ -38,9 +40,14 @@ def make(tmp_path):
     return make_package
 
 
+def read(folder, **options):
+    packages = {path.parent.name: path.parent for path in folder.rglob("package.xml")}
+    return read_traffic(folder, packages, ScanOptions(workers=1, **options))
+
+
 def traffic(folder, **options):
-    found = read_traffic(folder, ScanOptions(workers=1, **options))
-    return {name: (its.publishes, its.subscribes) for name, its in found.items()}
+    found = read(folder, **options).packages
+    return {path.name: (its.publishes, its.subscribes) for path, its in found.items()}
 
 
 def test_scripts_and_programs_of_each_package(make):
@@ -73,12 +80,51 @@ def test_a_package_without_programs_has_none(make):
     assert traffic(make("empty", {"scripts/plain.txt": "no program"})) == {}
 
 
-def test_what_cannot_be_read_costs_nothing_else(make):
+def test_what_cannot_be_read_costs_nothing_else_and_is_told(make):
     make("broken", {"scripts/a.py": "#!/usr/bin/env python\nimport rospy\ndef (\n"})
     folder = make("drives", {"scripts/a.py": HEAD + 'rospy.Publisher("v", Twist)\n'})
     found = traffic(folder)
     assert found["drives"] == ({"geometry_msgs/Twist"}, set())
     assert found.get("broken", (set(), set())) == (set(), set())
+    (note,) = read(folder).unresolved
+    assert note.evidence[0].file == str(folder / "broken/scripts/a.py")
+
+
+def test_a_program_that_takes_too_long_is_told(make):
+    folder = make("drives", {"scripts/a.py": HEAD + 'rospy.Publisher("v", Twist)\n'})
+    (note,) = read(folder, seconds=1e-6).unresolved
+    assert (note.what, note.why) == ("the program of /a", "not done within 1e-06 s")
+    assert read(folder).unresolved == ()
+
+
+def test_programs_that_came_to_nothing_are_told_before_what_is_unclear(make, tmp_path):
+    make("a_unclear", {"scripts/a.py": "#!/usr/bin/env python\nimport rospy\ndef (\n"})
+    top = make("z_slow", {"scripts/z.py": HEAD + 'rospy.Publisher("v", Twist)\n'})
+    packages = {name: top / name for name in ("a_unclear", "z_slow")}
+    options = ScanOptions(workers=1, cache=tmp_path / "cache")
+    (unclear,) = read_traffic(top, {"a_unclear": top / "a_unclear"}, options).unresolved
+    late, known = read_traffic(top, packages, replace(options, seconds=1e-6)).unresolved
+    assert late.what == "the program of /z"
+    assert known == unclear
+
+
+def test_a_faulty_description_of_plugins_is_told(make):
+    export = "<export><nodelet plugin='${prefix}/plugins.xml'/></export>"
+    manifest = f"<package><name>plugs</name>{export}</package>"
+    folder = make("plugs", {"package.xml": manifest, "plugins.xml": "<library"})
+    (note,) = read(folder).unresolved
+    assert note.evidence[0].file == str(folder / "plugs/plugins.xml")
+
+
+def test_of_two_packages_with_one_name_the_one_asked_for_is_read(make):
+    sends, hears = 'rospy.Publisher("v", Twist)\n', 'rospy.Subscriber("v", Twist)\n'
+    make("a/my_teleop", {"scripts/a.py": HEAD + sends})
+    top = make("b/my_teleop", {"scripts/a.py": HEAD + hears})
+    for folder, sent in ((top / "a/my_teleop", True), (top / "b/my_teleop", False)):
+        found = read_traffic(top, {"my_teleop": folder}, ScanOptions(workers=1)).packages
+        assert list(found) == [folder]
+        assert bool(found[folder].publishes) is sent
+        assert bool(found[folder].subscribes) is not sent
 
 
 def test_a_second_time_it_comes_from_the_cache_and_changes_count(make, tmp_path):
@@ -93,5 +139,6 @@ def test_a_second_time_it_comes_from_the_cache_and_changes_count(make, tmp_path)
 def test_progress_is_told_of_each_program(make):
     told = []
     options = ScanOptions(workers=1, progress=lambda *said: told.append(said))
-    read_traffic(make("drives", {"scripts/a.py": HEAD}), options)
+    folder = make("drives", {"scripts/a.py": HEAD})
+    read_traffic(folder, {"drives": folder / "drives"}, options)
     assert told == [(1, 1, "/a")]

@@ -114,6 +114,11 @@ def test_a_hostile_yaml_file_is_noted(name, evaluated, tmp_path):
     assert result.root.find("end")
 
 
+def test_an_include_that_may_be_absent_may_have_any_name(evaluated):
+    found = evaluated(f'<xacro:include filename="{"n" * 5000}" optional="true"/>')
+    assert found.unresolved == ()
+
+
 def test_an_include_that_comes_back_is_noted_once_with_its_place(evaluated, tmp_path):
     other = '<robot xmlns:xacro="x"><b/><xacro:include filename="./inner/../robot.xacro"/></robot>'
     result = evaluated('<a/><xacro:include filename="other.xacro"/>', other=other)

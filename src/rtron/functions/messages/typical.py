@@ -67,6 +67,18 @@ def is_generic(type: str) -> bool:
     return _package(type) in _packages("generic_packages")
 
 
+def is_ros2(package: str) -> bool:
+    """Tell whether a package is one that only ROS 2 has, and that what is built for it needs."""
+    return package in _packages("ros2_packages")
+
+
+@cache
+def ros2_types() -> frozenset[str]:
+    """Return the typical types that only ROS 2 has: actions as one type."""
+    every = (type for each in typical().values() for type in each.publishes | each.subscribes)
+    return frozenset(type for type in every if "/action/" in type)
+
+
 def _traffic(entry: Mapping[str, Any]) -> Traffic:
     return Traffic(
         publishes=frozenset(entry.get("publishes", ())),

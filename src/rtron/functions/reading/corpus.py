@@ -17,7 +17,7 @@ from rtron.functions.repository import Package, Repository
 def read_corpus(path: Path, note: Note) -> Iterator[Repository]:
     """Yield the repositories of a corpus; a wrong line goes to `note`."""
     for place, document in json_lines(path, note):
-        repository = kept(note, place, _repository, document)
+        repository = kept(note, place, _repository, document, place, note)
         if repository is not None:
             yield repository
 
@@ -36,10 +36,11 @@ def _readme(document: Document) -> tuple[str, str]:
     return fields.name(document, "repo"), fields.text(document, "readme")
 
 
-def _repository(document: Document) -> Repository:
+def _repository(document: Document, place: str, note: Note) -> Repository:
+    packages = fields.first_packages(fields.entries(document, "packages"), place, note)
     return Repository(
         name=fields.name(document, "repo"),
-        packages=tuple(_package(entry) for entry in fields.entries(document, "packages")),
+        packages=tuple(map(_package, packages)),
         readme=fields.text(document, "readme"),
         url=fields.text(document, "url"),
     )

@@ -22,18 +22,19 @@ def read_distribution(path: Path, note: Note) -> Iterator[Repository]:
         raise InputError("lists no repositories", path=str(path), help=help)
     for name, entry in listed.items():
         place = f"{path}: {str(name)[: fields.MAX_NAME]}"
-        repository = kept(note, place, _repository, {"repo": name, "entry": entry})
+        repository = kept(note, place, _repository, {"repo": name, "entry": entry}, place, note)
         if repository is not None:
             yield repository
 
 
-def _repository(listed: Document) -> Repository:
+def _repository(listed: Document, place: str, note: Note) -> Repository:
     name, entry = fields.name(listed, "repo"), fields.mapping(listed["entry"], "the entry")
     sections = {key: fields.mapping(entry[key], key) for key in _SECTIONS if entry.get(key)}
     urls = (fields.text(section, "url") for section in sections.values())
+    packages = fields.first_packages(_packages(name, sections), place, note)
     return Repository(
         name=name,
-        packages=tuple(Package(name=each) for each in _packages(name, sections)),
+        packages=tuple(Package(name=each) for each in packages),
         url=next(filter(None, urls), ""),
     )
 

@@ -1,12 +1,15 @@
 """The fields of an entry that somebody else wrote, each of the type that it should have."""
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeVar
 
 from rtron.functions.reading.lines import Document
-from rtron.functions.reading.skipped import UnreadableError
+from rtron.functions.reading.skipped import Note, Skipped, UnreadableError
 
 MAX_NAME = 256
 MAX_TEXT = 64 * 2**10
+MAX_PACKAGES = 2000
+T = TypeVar("T")
 
 
 def name(document: Document, key: str) -> str:
@@ -44,3 +47,11 @@ def mapping(found: object, what: str) -> Document:
     if not isinstance(found, dict):
         raise UnreadableError(f"{what} is no object")
     return found
+
+
+def first_packages(found: Sequence[T], place: str, note: Note) -> Sequence[T]:
+    """Return the first MAX_PACKAGES of a repository; that there are more goes to `note`."""
+    if len(found) > MAX_PACKAGES:
+        why = f"has more than {MAX_PACKAGES} packages; the others are left out"
+        note(Skipped(place=place, why=why))
+    return found[:MAX_PACKAGES]

@@ -1,28 +1,31 @@
 """A repository's folder, or a folder of such folders."""
 
-import os
-from collections.abc import Iterator
+import os.path
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.functions.reading.fields import MAX_NAME
+from rtron.folders import is_there, walk
+from rtron.functions.reading import fields
 from rtron.functions.reading.package_xml import MANIFEST, read_package
 from rtron.functions.reading.readme import find_readme, read_readme
 from rtron.functions.reading.skipped import Note, Skipped, kept
-from rtron.functions.repository import Package, Repository
+from rtron.functions.repository import Repository
 
 MAX_FOLDERS = 200_000
-MAX_PACKAGES = 2000
 _IGNORED = frozenset({"CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE"})
 
 
 def read_folders(top: Path, note: Note) -> Iterator[Repository]:
-    """Yield the repository in a folder, or those in its folders; what cannot be read is noted."""
+    """Yield the repository in a folder, or those in its folders; what cannot be read is noted.
+
+    The folder of a repository may be a link, and counts by its own name. No link in it leads on.
+    """
     for folder in repository_folders(top):
-        repository = _repository(folder, note)
-        if repository.packages:
-            yield repository
+        places = fields.first_packages(_places(folder, note), str(folder), note)
+        if places:
+            yield from _repository(folder, places, note)
         else:
             note(Skipped(place=str(folder), why=f"has no {MANIFEST}"))
 
@@ -35,7 +38,7 @@ def repository_folders(top: Path) -> list[Path]:
     inside = _folders(top)
     alone = _has(top, ".git") or _has(top, MANIFEST)
     several = any(_has(folder, ".git") for folder in inside)
-    return [top] if alone or (find_readme(top) and not several) else inside
+    return [top] if alone or (find_readme(top, top.resolve()) and not several) else inside
 
 
 def _folders(top: Path) -> list[Path]:
@@ -46,31 +49,44 @@ def _folders(top: Path) -> list[Path]:
 
 
 def _has(folder: Path, name: str) -> bool:
-    return (folder / name).exists()
+    return is_there(folder / name)
 
 
-def _repository(folder: Path, note: Note) -> Repository:
-    places = list(islice(_package_folders(folder), MAX_PACKAGES + 1))
-    if len(places) > MAX_PACKAGES:
-        why = f"has more than {MAX_PACKAGES} packages; the others are left out"
-        note(Skipped(place=str(folder), why=why))
-    packages = tuple(_packages(places[:MAX_PACKAGES], note))
+def _places(folder: Path, note: Note) -> list[Path]:
+    """Return up to MAX_PACKAGES + 1 folders of packages; the first that is not read is noted."""
+    unread: list[Skipped] = []
+    found = _package_folders(folder, unread)
+    places = list(islice(found, fields.MAX_PACKAGES + 1))
+    for skipped in unread[:1]:
+        note(skipped)
+    return places
+
+
+def _repository(folder: Path, places: Sequence[Path], note: Note) -> Iterator[Repository]:
+    """Yield the repository if one of its packages can be read."""
+    root = folder.resolve()
+    read = (kept(note, str(place / MANIFEST), read_package, place, root) for place in places)
+    packages = tuple(package for package in read if package is not None)
     homes = dict.fromkeys([folder, *(places if len(places) == 1 else ())])
-    readme = next(filter(None, (read_readme(home, note) for home in homes)), "")
-    name = folder.resolve().name[:MAX_NAME] or "/"
-    return Repository(name=name, packages=packages, readme=readme)
+    readme = next(filter(None, (read_readme(home, root, note) for home in homes)), "")
+    if packages:
+        yield Repository(name=_name(folder), packages=packages, readme=readme)
 
 
-def _packages(places: list[Path], note: Note) -> Iterator[Package]:
-    read = (kept(note, str(place / MANIFEST), read_package, place) for place in places)
-    return (package for package in read if package is not None)
+def _name(folder: Path) -> str:
+    return os.path.basename(os.path.abspath(folder))[: fields.MAX_NAME] or "/"  # noqa: PTH100, PTH119 - a link's own
 
 
-def _package_folders(top: Path) -> Iterator[Path]:
+def _package_folders(top: Path, unread: list[Skipped]) -> Iterator[Path]:
     """Yield the folders with a package.xml, as a build finds them: packages do not nest."""
-    for number, (folder, subfolders, files) in enumerate(os.walk(top)):
+
+    def leave(folder: str, why: str) -> None:
+        unread.append(Skipped(place=folder, why=why))
+
+    for number, (folder, subfolders, files) in enumerate(walk(top, leave)):
         if number == MAX_FOLDERS:
-            raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top))
+            leave(str(top), f"has more than {MAX_FOLDERS} folders; the others are left out")
+            return
         ignored = not _IGNORED.isdisjoint(files)
         if MANIFEST in files and not ignored:
             yield Path(folder)

@@ -2,22 +2,36 @@
 
 from pathlib import Path
 
+from rtron.errors import InputError
 from rtron.functions.reading.fields import MAX_NAME
 from rtron.functions.reading.skipped import UnreadableError
 from rtron.functions.repository import Package
-from rtron.sources.launch.packages import package_name
-from rtron.sources.workspace.manifest import read_manifest
+from rtron.sources.launch.document import Element, parse_xml
+from rtron.sources.workspace.files import is_inside
+from rtron.sources.workspace.manifest import as_manifest
 
 MANIFEST = "package.xml"
 
 
-def read_package(folder: Path) -> Package:
-    """Return a folder's package; raise UnreadableError where its package.xml cannot be read."""
-    manifest = read_manifest(folder)
-    for fault in manifest.unresolved:
-        raise UnreadableError(fault.why.removeprefix(f"{folder / MANIFEST}: "))
+def read_package(folder: Path, root: Path) -> Package:
+    """Return a folder's package; `root` is the real folder of the repository that it lies in.
+
+    Raise UnreadableError where its package.xml cannot be read, or lies elsewhere.
+    """
+    document = _parsed(folder / MANIFEST, root)
+    manifest = as_manifest(document, folder)
     return Package(
-        name=package_name(folder)[:MAX_NAME] or folder.name,
+        name=(document.findtext("name") or "").strip()[:MAX_NAME] or folder.name,
         description=manifest.description,
         depends=manifest.depends,
+        folder=folder,
     )
+
+
+def _parsed(path: Path, root: Path) -> Element:
+    if not is_inside(path, (root,)):
+        raise UnreadableError("is a link that leads out of the repository, or nowhere")
+    try:
+        return parse_xml(path)
+    except InputError as error:
+        raise UnreadableError(error.why, line=error.line) from None

@@ -9,9 +9,12 @@ from rtron.sources.workspace.files import is_inside, is_regular
 _ENDINGS = (".md", ".markdown", ".rst", ".txt", "")
 
 
-def read_readme(folder: Path, note: Note) -> str:
-    """Return the beginning of a folder's README, "" without one; a binary one goes to `note`."""
-    path = find_readme(folder)
+def read_readme(folder: Path, root: Path, note: Note) -> str:
+    """Return the beginning of a folder's README, "" without one; a binary one goes to `note`.
+
+    `root` is the real folder of the repository.
+    """
+    path = find_readme(folder, root)
     if path is None:
         return ""
     try:
@@ -26,13 +29,12 @@ def read_readme(folder: Path, note: Note) -> str:
     return data.decode("utf-8", errors="replace")
 
 
-def find_readme(folder: Path) -> Path | None:
-    """Return the README of a folder, Markdown before the others; no link that leads out of it."""
-    inside = (folder.resolve(),)
+def find_readme(folder: Path, root: Path) -> Path | None:
+    """Return the README of a folder, Markdown before the others; no link out of the real `root`."""
     found = [
         path
         for path in folder.glob("[Rr][Ee][Aa][Dd][Mm][Ee]*")
-        if path.suffix.lower() in _ENDINGS and is_regular(path) and is_inside(path, inside)
+        if path.suffix.lower() in _ENDINGS and is_regular(path) and is_inside(path, (root,))
     ]
     return min(found, key=_rank, default=None)
 

@@ -12,7 +12,11 @@ T = TypeVar("T")
 
 
 class UnreadableError(Exception):
-    """An entry is not what it should be; it is left out."""
+    """An entry is not what it should be; it is left out. `line` counts from 1, 0 if unknown."""
+
+    def __init__(self, why: str, *, line: int = 0) -> None:
+        super().__init__(why)
+        self.line = line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +41,7 @@ def kept(
     try:
         return read(*arguments, **keys)
     except UnreadableError as error:
-        note(Skipped(place=place, why=str(error)))
+        note(Skipped(place=f"{place}:{error.line}" if error.line else place, why=str(error)))
         return None
 
 

@@ -1,4 +1,4 @@
-"""A YAML file from anywhere: bounded in size and depth, without anchors, aliases and tags."""
+"""A YAML file from anywhere: bounded in size, depth and number, no anchors, aliases, tags."""
 
 from pathlib import Path
 from typing import Any
@@ -8,7 +8,8 @@ import yaml
 from rtron.errors import InputError
 from rtron.sources.bounded import read_bounded
 
-MAX_BYTES = 16 * 2**20
+MAX_BYTES = 4 * 2**20
+MAX_EVENTS = 250_000
 MAX_DEPTH = 20
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -29,19 +30,21 @@ def read_yaml(path: Path) -> object:
 
 def _refuse_unsafe(data: bytes, path: Path) -> None:
     depth = 0
-    for event in yaml.parse(data, Loader=_LOADER):
+    for number, event in enumerate(yaml.parse(data, Loader=_LOADER)):
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
-        unsafe = _unsafe(event, depth)
+        unsafe = _unsafe(event, depth, number)
         if unsafe:
             line = event.start_mark.line + 1 if event.start_mark else 0
             help = "is it a distribution.yaml?"
             raise InputError(f"has {unsafe}", path=str(path), line=line, help=help)
 
 
-def _unsafe(event: yaml.Event, depth: int) -> str:
+def _unsafe(event: yaml.Event, depth: int, number: int) -> str:
     if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
         return "anchors or aliases, which are not read"
     if getattr(event, "tag", None):
         return "tags (`!…`), which are not read"
+    if number == MAX_EVENTS:
+        return f"more than {MAX_EVENTS} values"
     return f"more than {MAX_DEPTH} levels" if depth > MAX_DEPTH else ""

@@ -3,10 +3,10 @@
 A script is Python, shell or the like; a compiled program finds packages by ROS_PACKAGE_PATH only.
 """
 
-import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
+from rtron.folders import walk
 from rtron.planning.instrument.package_place import PackagePlace, package_place
 from rtron.planning.instrument.started import Started
 from rtron.vocabulary import LaunchNode
@@ -40,7 +40,7 @@ def _called(package: Path | None, name: str) -> Iterator[Path]:
     if package is None or not name:
         return
     seen = 0
-    for folder, subfolders, files in os.walk(package):
+    for folder, subfolders, files in walk(package):
         subfolders[:] = sorted(sub for sub in subfolders if not sub.startswith("."))
         if name in files:
             yield Path(folder, name)

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from rtron.folders import is_folder
+
 METADATA = "metadata.yaml"
 ROOT = "rosbag2_bagfile_information"
 SUFFIXES = frozenset({".bag", ".mcap", ".db3"})
@@ -9,8 +11,11 @@ _HEAD = 4096
 
 
 def is_bag(path: Path) -> bool:
-    """Tell whether a path is a bag, by its name; a folder, by how its metadata begins."""
-    return _is_bag_folder(path) if path.is_dir() else path.suffix in SUFFIXES
+    """Tell whether a path is a bag, by its name; a folder, by how its metadata begins.
+
+    Raise InputError for a path that cannot be looked at.
+    """
+    return _is_bag_folder(path) if is_folder(path) else path.suffix in SUFFIXES
 
 
 def _is_bag_folder(path: Path) -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.folders import is_folder
 from rtron.sources.bag.folder import read_bag_folder
 from rtron.sources.bag.mcap import read_mcap
 from rtron.sources.bag.reading import BagReading
@@ -28,7 +29,7 @@ def read_messages(path: Path) -> BagReading:
     message) in the order of time. Raise InputError, then or while iterating, where it is damaged.
     Memory is bounded by constants (`limits`), time by the size of the file.
     """
-    if path.is_dir():
+    if is_folder(path):
         return read_bag_folder(path)
     if path.suffix not in _READERS:
         help = "give a .bag, .mcap or .db3 file, or the folder of a ROS 2 bag"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.folders import is_there
 from rtron.sources.gazebo.plugin import GazeboPlugin, PluginScope, Surrounding, read_plugin
 from rtron.sources.launch.packages import PackageIndex
 from rtron.sources.xacro import XmlElement, read_element
@@ -89,7 +90,7 @@ class _Reading:
         self.included += 1
         if self.included > MAX_INCLUDES or len(files) > MAX_DEPTH:
             raise InputError(f"more than {MAX_INCLUDES} includes, or {MAX_DEPTH} deep")
-        path = next((path for path in self._candidates(uri, files[-1]) if path.exists()), None)
+        path = next((path for path in self._candidates(uri, files[-1]) if is_there(path)), None)
         if path is None:
             help = "add its folder to GAZEBO_MODEL_PATH"
             raise InputError(f"'{uri}' is not found", help=help)

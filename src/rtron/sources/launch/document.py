@@ -10,6 +10,7 @@ from typing import TypeAlias
 from lxml import etree
 
 from rtron.errors import InputError
+from rtron.folders import is_there
 from rtron.sources.bounded import read_bounded
 
 MAX_BYTES = 1024 * 1024
@@ -48,7 +49,7 @@ def parse_launch(path: str) -> LaunchDocument:
 
 def parse_xml(path: Path) -> Element:
     """Return a file's root element; raise InputError if it is no XML, too large, or has a DTD."""
-    if path.exists() and not path.is_file():
+    if is_there(path) and not path.is_file():
         raise InputError("is no file", path=str(path), help="devices and pipes are not read")
     return parse_xml_bytes(read_bounded(path, MAX_BYTES), str(path))
 

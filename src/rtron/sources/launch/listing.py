@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.folders import Unread, walk
 from rtron.sources.launch.document import Element, parse_launch
 from rtron.sources.launch.packages import package_name
 
@@ -21,7 +22,8 @@ class ListedLaunch:
     """A launch file: the package it lies in, empty where it lies in none, and its arguments.
 
     `required` are those without a value or default, `optional` those with a default. `includes` are
-    the files that it includes, as they are spelled. `fault` says why a file cannot be read.
+    the files that it includes, as they are spelled. `fault` says why a file, or a folder in which
+    there may be some, cannot be read.
     """
 
     path: Path
@@ -35,17 +37,23 @@ class ListedLaunch:
 def launch_files(folders: Iterable[Path]) -> tuple[ListedLaunch, ...]:
     """Return the launch files of ROS 1 below folders, by path; those of ROS 2 are left out.
 
-    Links are not followed. Raise InputError for a folder that has
-    no end.
+    Links are not followed. Raise InputError for a folder that has no end.
     """
-    found = {path: package for folder in folders for path, package in _below(folder.absolute())}
+    found: dict[Path, str] = {}
+    faults: list[ListedLaunch] = []
+
+    def unread(folder: str, why: str) -> None:
+        faults.append(ListedLaunch(path=Path(folder), fault=f"{folder}: {why}"))
+
+    for folder in folders:
+        found.update(_below(folder.absolute(), unread))
     listed = (_listed(path, package) for path, package in sorted(found.items()))
-    return tuple(launch for launch in listed if launch is not None)
+    return (*(launch for launch in listed if launch is not None), *faults)
 
 
-def _below(top: Path) -> Iterator[tuple[Path, str]]:
+def _below(top: Path, unread: Unread) -> Iterator[tuple[Path, str]]:
     packages: dict[str, str] = {}
-    for folder, subfolders, files in os.walk(top):
+    for folder, subfolders, files in walk(top, unread):
         if len(packages) == MAX_FOLDERS:
             raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top))
         package = packages.get(os.path.dirname(folder), "")  # noqa: PTH120 - a key, as os.walk spells it

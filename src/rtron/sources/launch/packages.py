@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rtron.errors import InputError
+from rtron.folders import walk
 from rtron.sources.launch.document import parse_xml
 from rtron.vocabulary import Trust
 
@@ -23,7 +24,8 @@ def find_packages(
 ) -> dict[str, Path]:
     """Return the packages below `folders`, then ROS_PACKAGE_PATH, then Debian's; the first wins.
 
-    Links are followed, as rospack does. Raise InputError for a folder that has no end.
+    Links are followed, as rospack does; what cannot be listed, or lies too deep, is left out. Raise
+    InputError for a folder that has no end.
     """
     found: dict[str, Path] = {}
     listed = [Path(entry) for entry in environ.get("ROS_PACKAGE_PATH", "").split(":") if entry]
@@ -53,7 +55,7 @@ def package_trust(package: Path, folders: Iterable[Path]) -> Trust:
 def _below(top: Path) -> Iterator[Path]:
     """Yield the package folders below `top`; packages do not nest, and each folder counts once."""
     seen: set[str] = set()
-    for folder, subfolders, files in os.walk(top, followlinks=True):
+    for folder, subfolders, files in walk(top, links=True):
         if len(seen) == MAX_FOLDERS:
             help = "does a link in it lead out of it?"
             raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top), help=help)

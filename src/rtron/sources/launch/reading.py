@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.folders import is_there
 from rtron.sources.bounded import read_bounded
 from rtron.sources.launch.commands import Describe
 from rtron.sources.launch.document import LaunchDocument, parse_launch
@@ -55,7 +56,7 @@ class Documents:
         """Return a plain file's content; raise InputError if it is none or all are too large."""
         file = Path(path)
         self._check(path)
-        if not file.is_file():
+        if not is_there(file) or not file.is_file():
             raise InputError("no such file", path=path, help="check the path")
         data = read_bounded(file, MAX_BYTES)
         self._read += len(data)

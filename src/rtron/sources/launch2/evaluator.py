@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.folders import is_there
 from rtron.sources.launch.unresolvable import MissingArgumentError, UnresolvableError
 from rtron.sources.launch2.bounds import Bounds, TooMuchError
 from rtron.sources.launch2.choices import Choices
@@ -143,8 +144,9 @@ class Evaluator:
         if name in self.packages:
             return str(self.packages[name])
         for prefix in filter(None, self.environ.get("AMENT_PREFIX_PATH", "").split(":")):
-            if (Path(prefix) / "share" / name).is_dir():
-                return str(Path(prefix) / "share" / name)
+            share = Path(prefix) / "share" / name
+            if is_there(share) and share.is_dir():
+                return str(share)
         raise UnresolvableError(f"package '{name}' is not here")
 
     def _prefix(self, words: list[str]) -> str:

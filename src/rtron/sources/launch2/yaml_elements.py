@@ -7,6 +7,7 @@ from pathlib import Path
 import yaml
 
 from rtron.errors import InputError
+from rtron.folders import is_there
 from rtron.sources.bounded import read_bounded
 
 MAX_BYTES = 256 * 1024
@@ -26,7 +27,7 @@ class YamlBody:
 
 def yaml_body(path: str) -> YamlBody:
     """Return a file's one root; raise InputError if it is not YAML, too large, or has aliases."""
-    if Path(path).exists() and not Path(path).is_file():
+    if is_there(Path(path)) and not Path(path).is_file():
         raise InputError("is no file", path=path, help="devices and pipes are not read")
     try:
         text = read_bounded(Path(path), MAX_BYTES).decode()

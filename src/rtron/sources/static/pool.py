@@ -6,6 +6,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing import get_context
 
+from rtron.sources.static.options import default_workers
 from rtron.sources.static.task import Task, TaskResult
 from rtron.sources.static.worker import failed, start_worker, work
 from rtron.sources.workspace import Workspace
@@ -13,7 +14,7 @@ from rtron.sources.workspace import Workspace
 
 @dataclass(slots=True)
 class Pool:
-    """Processes that work on one workspace, started with the first task."""
+    """Processes that work on one workspace, one a core at most, started with the first task."""
 
     workspace: Workspace
     workers: int
@@ -43,7 +44,7 @@ class Pool:
             self._executor = None
 
     def _submitted(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, "Future[TaskResult]"]]:
-        executor = self._started(min(self.workers, len(tasks)))
+        executor = self._started(min(self.workers, len(tasks), default_workers()))
         futures = {executor.submit(work, task, self.seconds): task for task in tasks}
         for future in as_completed(futures):
             yield futures[future], future

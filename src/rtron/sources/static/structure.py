@@ -4,12 +4,12 @@ Which sources a program has, which file an `#include` or `import` means and whic
 are follow from the names of all files and from the content of a few.
 """
 
-import os
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import rtron
+from rtron.folders import walk
 from rtron.sources.static.cache import digest_of
 from rtron.sources.static.task import content_hash
 from rtron.sources.workspace import Workspace
@@ -26,7 +26,7 @@ def workspace_state(workspace: Workspace) -> str:
 
 
 def _listed(package: Path) -> Iterator[str]:
-    for folder, subfolders, files in os.walk(package):
+    for folder, subfolders, files in walk(package):
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         for name in sorted(files):
             path = Path(folder, name)

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from rtron.executors.parent import serve_parent
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.declaration import NodeInterface
 from rtron.sources.static.task import Task, TaskResult, run_task
@@ -46,7 +47,7 @@ def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> Non
         hard = resource.getrlimit(resource.RLIMIT_AS)[1]
         resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, hard))
     signal.signal(signal.SIGALRM, _time_up)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    serve_parent()
     _FILES["workspace"] = WorkspaceFiles(Workspace(packages, folders))
 
 

@@ -9,6 +9,8 @@ from fnmatch import translate
 from functools import lru_cache
 from pathlib import Path
 
+from rtron.folders import walk
+
 MAX_FILES = 50_000
 
 
@@ -17,7 +19,7 @@ class PackageFiles:
     """The files below a package's folder, relative to it, sorted; hidden folders are left out.
 
     `roots` are the real folders that a file may lie in; a link that leads out of them is no file.
-    `complete` is False where there are more than MAX_FILES.
+    `complete` is False where there are more than MAX_FILES, or some folder cannot be read.
     """
 
     folder: Path
@@ -59,14 +61,15 @@ class PackageFiles:
 def list_files(folder: Path, roots: tuple[Path, ...]) -> PackageFiles:
     """Return a package's files; what cannot be listed is left out."""
     names: list[str] = []
-    for parent, folders, files in os.walk(folder):
+    unread: list[str] = []
+    for parent, folders, files in walk(folder, lambda path, _: unread.append(path)):
         prefix = os.path.relpath(parent, folder) + "/"
         prefix = "" if prefix == "./" else prefix
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         names.extend(prefix + name for name in files)
         if len(names) > MAX_FILES:
             break
-    complete = len(names) <= MAX_FILES
+    complete = len(names) <= MAX_FILES and not unread
     names = sorted(names)[:MAX_FILES]
     split = [name.rpartition("/") for name in names]
     return PackageFiles(

@@ -46,6 +46,11 @@ def read_manifest(package: Path) -> Manifest:
     except InputError as error:
         place = Evidence(file=error.path, line=error.line)
         return Manifest(unresolved=(Unresolved(what=path.name, why=str(error), evidence=(place,)),))
+    return as_manifest(root, package)
+
+
+def as_manifest(root: Element, package: Path) -> Manifest:
+    """Return what a manifest's root element says of a package."""
     return Manifest(
         description=_description(root),
         depends=_depends(root),

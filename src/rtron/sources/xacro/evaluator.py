@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import ClassVar, TypeAlias
 
 from rtron.errors import InputError
+from rtron.folders import is_there
 from rtron.sources.launch.expression_words import Value
 from rtron.sources.xacro.budget import MAX_DEPTH
 from rtron.sources.xacro.calls import bind_blocks, bind_parameters, find_macro
@@ -85,7 +86,7 @@ class Evaluator:
             name = str(self.around.value(required(element, "filename"), frame.symbols))
             optional = truth(element.attributes.get("optional", "false"))
             found = included_files(name, self.around.files[-1])
-            paths = [str(path) for path in found if not optional or path.exists()]
+            paths = [str(path) for path in found if not optional or is_there(path)]
         for path in paths:
             with self.around.noting(element, what):
                 roots.append(self._root(path))

@@ -1,0 +1,36 @@
+"""A process that works for another lives no longer than that one."""
+
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import suppress
+from multiprocessing import parent_process
+from pathlib import Path
+from threading import Thread
+
+_TASKS = Path("/proc/self/task")
+
+
+def serve_parent() -> None:
+    """Leave Ctrl-C to the process that started this one, and end as soon as that has ended.
+
+    What this process has started itself ends with it, where the system tells what that is (Linux).
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        for child in _children():
+            with suppress(OSError):
+                os.kill(child, signal.SIGKILL)
+        os._exit(1)
+
+
+def _children() -> Iterator[int]:
+    for listed in _TASKS.glob("*/children"):
+        with suppress(OSError):
+            yield from map(int, listed.read_text().split())
