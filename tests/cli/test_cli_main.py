@@ -9,6 +9,8 @@ from rtron import __version__
 from rtron.cli.main import COMMANDS
 from rtron.sources.graph_json import GraphFile
 
+EVERY = [command for commands in COMMANDS.values() for command in commands]
+
 MODULE = (sys.executable, "-m", "rtron")
 
 
@@ -75,7 +77,7 @@ def test_the_version(rtron):
 
 def test_help_names_every_command_and_shows_an_example_of_each(rtron):
     text = rtron("--help").out
-    for command in COMMANDS:
+    for command in EVERY:
         name = command.__name__.replace("_", "-")
         assert name in text
         page = rtron(name, "-h")
@@ -87,13 +89,13 @@ def test_help_names_every_command_and_shows_an_example_of_each(rtron):
 def test_examples_in_help_are_commands_that_exist(rtron):
     options = {
         word.split("=")[0]
-        for command in COMMANDS
+        for command in EVERY
         for row in command.__doc__.splitlines()
         if row.strip().startswith("$ rtron")
         for word in row.split("|")[0].split(">")[0].split()
         if word.startswith("--")
     }
-    names = (command.__name__.replace("_", "-") for command in COMMANDS)
+    names = (command.__name__.replace("_", "-") for command in EVERY)
     pages = "".join(rtron(name, "--help").out for name in names)
     assert {option for option in options if option not in pages} == set()
 

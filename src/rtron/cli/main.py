@@ -33,26 +33,18 @@ from rtron.cli.user import user
 from rtron.cli.verify import verify
 from rtron.errors import RTronError
 
-COMMANDS = (
-    scan,
-    plan,
-    check,
-    instrument,
-    replay,
-    guard,
-    master,
-    verify,
-    override,
-    serve,
-    events,
-    upload,
-    explain,
-    classify,
-    explain_class,
-    survey,
-    mission,
-    schema,
-)
+COMMANDS = {
+    "From an app to a guarded app": (scan, plan, check, instrument, replay, verify),
+    "On the robot": (guard, master, override),
+    "Security service": (serve, events, upload),
+    "Study": (classify, explain_class, survey),
+    "Reference": (explain, mission, schema),
+}
+GROUPS = {
+    "Security service": (settings, token, user),
+    "Study": (functions,),
+    "Reference": (model,),
+}
 
 app = typer.Typer(
     name="rtron",
@@ -61,13 +53,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in COMMANDS:
-    app.command()(command)
-app.add_typer(settings)
-app.add_typer(token)
-app.add_typer(user)
-app.add_typer(model)
-app.add_typer(functions)
+for panel, commands in COMMANDS.items():
+    for command in commands:
+        app.command(rich_help_panel=panel)(command)
+    for group in GROUPS.get(panel, ()):
+        app.add_typer(group, rich_help_panel=panel)
 
 
 def main() -> None:
