@@ -3,12 +3,11 @@
 from collections.abc import Iterator, Sequence
 
 from rtron.cli.executor import chosen_executor
-from rtron.cli.progress import shown_progress
-from rtron.executors import Failed
+from rtron.cli.working import worked
 from rtron.executors.window import CHUNK
 from rtron.functions.classification import Classification
 from rtron.functions.classify import classify
-from rtron.functions.reading import Note, Skipped
+from rtron.functions.reading import Note
 from rtron.functions.repository import Repository
 
 _FEW = 2000
@@ -18,16 +17,9 @@ _FEW = 2000
 def classified(
     repositories: Sequence[Repository], jobs: int | None, cluster: str | None, left: Note
 ) -> Iterator[tuple[Repository, Classification]]:
-    """Yield repositories with their classes, in `jobs` processes or on a cluster if given.
+    """Return repositories with their classes, in `jobs` processes or on a cluster if given.
 
     One at which the work fails goes to `left`. Raise InputError and SourceError as executors do.
     """
     executor = chosen_executor(jobs, cluster, chunk=CHUNK, worth=len(repositories) > _FEW)
-    with shown_progress() as progress:
-        results = executor.map(classify, repositories)
-        for done, (repository, result) in enumerate(zip(repositories, results, strict=True), 1):
-            progress(done, len(repositories), repository.name)
-            if isinstance(result, Failed):
-                left(Skipped(place=repository.name, why=result.why))
-            else:
-                yield repository, result
+    return worked(executor, classify, repositories, lambda each: each.name, left)

@@ -1,24 +1,15 @@
 """`rtron survey`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from rtron.cli.executor import ClusterAddress, ProcessCount, chosen_executor
 from rtron.cli.options import Output
 from rtron.cli.outcome import STDOUT, Outcome
-from rtron.cli.progress import shown_progress
 from rtron.cli.repositories import left_out
 from rtron.errors import InputError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from rtron.executors import Executor
-    from rtron.functions.reading import Note
-    from rtron.survey.subjects import Subject
-    from rtron.survey.surveyed import Surveyed
 
 
 def survey(
@@ -49,29 +40,16 @@ def survey(
 
     Exit code: 0 scanned, 2 there is no app.
     """
+    from rtron.cli.working import worked  # noqa: PLC0415 - the guard starts without it
     from rtron.survey.report import survey_line, survey_text  # noqa: PLC0415 - the guard starts without it
+    from rtron.survey.scanning import scan_subject  # noqa: PLC0415 - the guard starts without it
     from rtron.survey.subjects import subjects  # noqa: PLC0415 - the guard starts without it
 
     with left_out() as left:
         apps = list(subjects(folder, left))
         executor = chosen_executor(jobs, cluster, chunk=1, worth=len(apps) > 1)
-        found = list(_scanned(apps, executor, left))
+        found = [each for _, each in worked(executor, scan_subject, apps, lambda a: a.app, left)]
     if not found:
         help = "rtron scan DIR lists the launch files and the arguments that they need"
         raise InputError("no app can be scanned", path=str(folder), help=help)
     return Outcome(survey_text(found) if table else "".join(map(survey_line, found)), to=output)
-
-
-def _scanned(apps: "list[Subject]", executor: "Executor", left: "Note") -> "Iterator[Surveyed]":
-    from rtron.executors import Failed  # noqa: PLC0415 - the guard starts without it
-    from rtron.functions.reading import Skipped  # noqa: PLC0415 - the guard starts without it
-    from rtron.survey.scanning import scan_subject  # noqa: PLC0415 - the guard starts without it
-
-    with shown_progress() as progress:
-        results = executor.map(scan_subject, apps)
-        for done, (app, result) in enumerate(zip(apps, results, strict=True), 1):
-            progress(done, len(apps), app.app)
-            if isinstance(result, Failed):
-                left(Skipped(place=app.app, why=result.why))
-            else:
-                yield result
