@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what RTron needs: Debian's ROS 1 packages, then .venv, and .venv-ros2 for the tests on
+# Installs what RTron needs: Debian's ROS 1 packages, then .venv, and .venv-ros2 for all that runs on
 # ROS 2, whose wheels change the library path of every Python beside them. Does nothing when all is
-# there.
+# there. `setup.sh demo` makes .venv-ros2 alone, which needs no root.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -99,6 +99,12 @@ has_ros2_wheels() {
   [ "$(uname -m)" = x86_64 ]
 }
 
+if [ "${1:-}" = demo ]; then
+  has_ros2_wheels || give_up "there are no wheels of ROS 2 for $(uname -m)" \
+    "with a ROS of your own: make setup, then .venv/bin/rtron demo all"
+  make_venv .venv-ros2 requirements-ros2.lock
+  exit
+fi
 install_packages
 make_venv .venv requirements.lock
 if has_ros2_wheels; then
