@@ -14,8 +14,9 @@ help: ## List the targets
 setup: ## Install Debian's ROS 1 packages and .venv, if they are not there yet
 	@scripts/setup.sh
 
-demo: setup ## Attack a small robot app, guard it, attack it again (under a minute)
-	@$(PYTHON) -m rtron.demos.ros1
+demo: ## Attack a simulated robot, guard it, attack it again, and show it (ROS 2, no root)
+	@scripts/setup.sh demo
+	@.venv-ros2/bin/rtron demo all --ros 2 --console
 
 lint: setup ## Check style, types, import contracts and whether the generated docs are fresh
 	$(BIN)/ruff check $(CODE)

@@ -9,6 +9,7 @@ import typer
 from rtron import __version__
 from rtron.cli.check import check
 from rtron.cli.classify import classify
+from rtron.cli.demo import demo
 from rtron.cli.events import events
 from rtron.cli.explain import explain
 from rtron.cli.explain_class import explain_class
@@ -34,7 +35,7 @@ from rtron.cli.verify import verify
 from rtron.errors import RTronError
 
 COMMANDS = {
-    "From an app to a guarded app": (scan, plan, check, instrument, replay, verify),
+    "From an app to a guarded app": (demo, scan, plan, check, instrument, replay, verify),
     "On the robot": (guard, master, override),
     "Security service": (serve, events, upload),
     "Study": (classify, explain_class, survey),

@@ -1,0 +1,69 @@
+"""All runs of the case studies as a page."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from rtron.demos.measuring.run import Run, Variant
+from rtron.demos.running.adapting import Adaptation
+
+_HEAD = """\
+# The case studies, run by run
+
+`python -m evaluation demos` made these: every case in twenty worlds, in which start, goal, widths,
+obstacles and the pedestrian's moment differ. Times are simulated seconds but for the mitigation,
+which is the guard's own time: from the first malicious message to the first verdict that stopped
+one. `off` is the largest distance from the unattacked way.
+"""
+_COLUMNS = (
+    "world | unattacked | attacked | harm | sent / delivered | guarded | time | "
+    "sent / delivered | mitigated | off"
+)
+_RULE = "--:|--:|---|---|--:|---|--:|--:|--:|--:"
+
+
+def markdown(runs: Sequence[Run], slowed: Mapping[int, Sequence[Adaptation]]) -> str:
+    """Return the page of all runs and adaptations."""
+    return "\n".join((_HEAD, *_parts(runs), *_slowed(slowed))) + "\n"
+
+
+def _parts(runs: Sequence[Run]) -> Iterator[str]:
+    for ros, case in dict.fromkeys((run.ros, run.case) for run in runs):
+        own = [run for run in runs if (run.ros, run.case) == (ros, case)]
+        yield f"## {case.upper()} on ROS {ros}, at {own[0].speed:g} simulated seconds a second\n"
+        yield f"| {_COLUMNS} |\n|{_RULE}|"
+        for seed in dict.fromkeys(run.seed for run in own):
+            yield _line({run.variant: run for run in own if run.seed == seed})
+        yield ""
+
+
+def _line(runs: Mapping[Variant, Run]) -> str:
+    calm, attacked, guarded = (runs[variant] for variant in Variant)
+    off = f"{guarded.deviation.largest:.2f} m" if guarded.deviation else ""
+    cells = (
+        str(calm.seed),
+        _time(calm.time_to_goal),
+        attacked.outcome,
+        "yes" if attacked.harm else "no",
+        f"{attacked.sent} / {attacked.delivered}",
+        guarded.outcome,
+        _time(guarded.time_to_goal),
+        f"{guarded.sent} / {guarded.delivered}",
+        "" if guarded.mitigated_after is None else f"{guarded.mitigated_after * 1000:.1f} ms",
+        off,
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def _time(seconds: float | None) -> str:
+    return "-" if seconds is None else f"{seconds:.1f} s"
+
+
+def _slowed(slowed: Mapping[int, Sequence[Adaptation]]) -> Iterator[str]:
+    for ros, found in slowed.items():
+        yield f"## Safe on ROS {ros}: how soon the robot adapts\n"
+        yield "The recogniser's rate is halved, from 20 to 10 images a second, while the robot"
+        yield "cruises at speed 1; wall seconds until it is as slow as it may be then.\n"
+        yield "| world | after | at most |\n|--:|--:|--:|"
+        for each in found:
+            after = "never" if each.after is None else f"{each.after:.2f} s"
+            yield f"| {each.seed} | {after} | {each.allowed:.3f} m/s |"
+        yield ""

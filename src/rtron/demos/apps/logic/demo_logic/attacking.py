@@ -1,0 +1,59 @@
+"""When a malicious node attacks: some time after the robot set off in the run of the order."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from .trigger import Order, TriggerFile
+
+_BURST = 0.3
+"""Simulated seconds that a burst lasts, and the pause after it."""
+
+
+class SeesMoving(Protocol):
+    """Tells from what a node hears whether the robot has set off."""
+
+    def forget(self) -> None:
+        """Begin anew."""
+
+    def has_moved(self, seen: Sequence[float], /) -> bool:
+        """Take a position or the ranges of a scan (metres)."""
+
+
+class Attacker:
+    """Says whether it is time to attack."""
+
+    def __init__(self, eyes: SeesMoving, trigger: TriggerFile | None = None) -> None:
+        self._eyes = eyes
+        self._trigger = trigger or TriggerFile()
+        self._order: Order | None = None
+        self._since: float | None = None
+
+    def saw(self, now: float, seen: Sequence[float]) -> None:
+        """Take what the node heard at `now`, simulated seconds."""
+        self._reread()
+        moved = self._eyes.has_moved(seen)
+        self._since = (now if self._since is None else self._since) if moved else None
+
+    def due(self, now: float, attack: str) -> Order | None:
+        """Return the order if it is for this attack and its time has come."""
+        self._reread()
+        order, since = self._order, self._since  # another thread may be in `saw`
+        if order is None or since is None or order.attack != attack:
+            return None
+        return order if now - since >= order.after else None
+
+    def _reread(self) -> None:
+        order = self._trigger.order()
+        if order != self._order:
+            self._order, self._since = order, None
+            self._eyes.forget()
+
+
+def in_burst(now: float) -> bool:
+    """Tell whether commands that turn the robot are sent at `now`, simulated seconds.
+
+    Their forward velocity is 0, so that without pauses the robot would only turn on the spot. In
+    the pauses the navigation itself drives it on, off its course, and has no time to turn it back.
+    Attackers on one machine have their bursts together.
+    """
+    return now % (2 * _BURST) < _BURST

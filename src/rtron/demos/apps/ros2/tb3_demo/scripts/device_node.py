@@ -1,0 +1,55 @@
+"""What the nodes share: one thread does everything, also what the frames of a device ask for."""
+# Beside the scripts, which find it there, and of no package of RTron.
+# ruff: noqa: INP001
+# mypy: ignore-errors
+
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from threading import Thread
+
+import rclpy
+from demo_logic.device import Device
+from demo_logic.framing import Frame, Head
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+
+_MOST = 20
+"""So many frames wait at most; then the oldest is left out."""
+Took = Callable[[Head, bytes], None]
+
+
+def spin(node: Node, device: Device | None = None, took: Took | None = None) -> None:
+    """Spin a node until it is told to end, by ^C or SIGTERM, and then end it.
+
+    `took` is called with each frame of a device; the node ends with the device, too.
+    """
+    reader = _reader(node, device, took) if device and took else None
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(node)
+    if reader:
+        device.close()
+        reader.join()  # who still holds the node would keep its shared memory, too
+    node.destroy_node()
+    rclpy.try_shutdown()
+
+
+def _reader(node: Node, device: Device, took: Took) -> Thread:
+    """Start a thread that hands the frames of a device to a node's executor."""
+    frames: deque[Frame] = deque(maxlen=_MOST)
+
+    def take() -> None:
+        while frames:
+            took(*frames.popleft())
+
+    came = node.create_guard_condition(take)
+
+    def read() -> None:
+        for frame in device:
+            frames.append(frame)
+            came.trigger()
+        rclpy.try_shutdown()
+
+    thread = Thread(target=read, name=f"{device.role} device", daemon=True)
+    thread.start()
+    return thread

@@ -1,0 +1,55 @@
+"""GR: a node that shares the topic of the velocities turns the robot into a wall."""
+
+from collections.abc import Sequence
+
+from rtron.demos.cases.case import GOALS_AT_ONCE, Case, Decisions, Setting
+from rtron.demos.measuring.run import COLLISION
+from rtron.demos.measuring.scene import Scene
+from rtron.demos.world.truth import Truth
+
+ATTACKER = "/tb3_safe_control"
+TOPIC = "/cmd_vel"
+TURN_RIGHT = (0.0, -0.2)
+"""The malicious velocity: m/s and rad/s (paper, appendix D)."""
+
+
+def _harm(truth: Truth, _scene: Scene) -> str:
+    return COLLISION if truth.collided else ""
+
+
+def _is_malicious(topic: str, value: Sequence[float], _scene: Scene) -> bool:
+    return topic == TOPIC and tuple(value) == TURN_RIGHT
+
+
+def _decisions(_setting: Setting) -> Decisions:
+    return {
+        "grcn": {
+            TOPIC: {
+                "policy": "Preemption",
+                "priorities": {"/move_base": 2, ATTACKER: 1},
+                "block_unapproved": True,
+            },
+            **GOALS_AT_ONCE,
+        }
+    }
+
+
+GR = Case(
+    name="gr",
+    title="GR: two nodes share one topic",
+    attacker=ATTACKER,
+    topic=TOPIC,
+    risk="GR-ST:/cmd_vel",
+    after=5.0,
+    by_hand=True,
+    turns=True,
+    harms="The robot hits the corridor's wall.",
+    attack="While /move_base drives through a corridor, /tb3_safe_control, a package from "
+    "elsewhere, floods /cmd_vel with turns to the right. Its script, started by hand under "
+    "another name, does the same on the public topic.",
+    remedy="Preemption: /move_base goes before /tb3_safe_control, which drives only while the "
+    "navigation is silent. Whom the plan does not name is blocked.",
+    harm=_harm,
+    is_malicious=_is_malicious,
+    decisions=_decisions,
+)

@@ -1,0 +1,57 @@
+"""MSR: a goal in an area that the mission forbids."""
+
+from collections.abc import Sequence
+from math import dist
+
+from rtron.demos.cases.case import GOAL, GOALS_AT_ONCE, Case, Decisions, Setting
+from rtron.demos.measuring.run import COLLISION
+from rtron.demos.measuring.scene import Scene
+from rtron.demos.world.truth import Truth
+
+_SAME = 1e-6
+
+
+def _harm(truth: Truth, _scene: Scene) -> str:
+    if truth.collided:
+        return COLLISION
+    return "network lost" if truth.in_area else ""
+
+
+def _is_malicious(topic: str, value: Sequence[float], scene: Scene) -> bool:
+    return topic == GOAL and dist(value[:2], scene["bad_goal"]) < _SAME
+
+
+def _decisions(setting: Setting) -> Decisions:
+    polygon = [{"x": f"{x:g} m", "y": f"{y:g} m"} for x, y in setting.scene["area"]]
+    return {
+        "grcn": GOALS_AT_ONCE,
+        "msrcn": {
+            "aflows": [GOAL],
+            "areas": [{"name": "unstable", "frame": "map", "polygon": polygon}],
+            "rules": [
+                {
+                    "name": "keep_out",
+                    "action": "inside(action.pose.position, unstable)",
+                    "block": [GOAL],
+                    "reason": "there is no network in the unstable area",
+                }
+            ],
+        },
+    }
+
+
+MSR = Case(
+    name="msr",
+    title="MSR: a goal where the mission forbids one",
+    attacker="/tb3_monitor",
+    topic=GOAL,
+    risk="MSR-action:/move_base_simple/goal",
+    after=4.0,
+    harms="The robot drives into the area without network and stays there.",
+    attack="/tb3_monitor, a package from elsewhere, publishes a goal of its own in the middle of "
+    "the drive: a place where the network, and with it the computer that plans, is out of reach.",
+    remedy="A rule with Block: no goal inside the unstable area, whoever asks for it.",
+    harm=_harm,
+    is_malicious=_is_malicious,
+    decisions=_decisions,
+)

@@ -1,0 +1,95 @@
+"""The app of a launch file, running: ROS 1 by roslaunch, ROS 2 node by node."""
+
+import json
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rtron.demos.launching.apps import other_packages, own_packages
+from rtron.demos.launching.nodes import NodeCommand, node_commands, node_names
+from rtron.demos.launching.processes import Processes, Started
+from rtron.demos.launching.waiting import wait_for
+from rtron.errors import SourceError
+
+if TYPE_CHECKING:
+    from rtron.demos.launching.run import Begun
+
+_SETTLED = ("--timeout", "3")
+"""How long a domain of ROS 2 gets to be found whole, seconds."""
+_VERDICTS = (0, 1, 2)
+
+
+@dataclass(frozen=True, slots=True)
+class App:
+    """A running app: the processes that were started for it, by name, and its nodes."""
+
+    started: Mapping[str, Started]
+    nodes: Collection[str]
+
+    def check(self) -> None:
+        """Raise SourceError, with what it said last, if one of the processes has ended."""
+        for started in self.started.values():
+            started.check()
+
+    def logs(self) -> dict[str, str]:
+        """Return what each process has said."""
+        return {name: started.said() for name, started in self.started.items()}
+
+
+def wait_until_joined(begun: "Begun", app: App) -> None:
+    """Wait until the graph has every node of an app."""
+    wait_for(lambda: _is_joined(begun, app), f"the nodes {', '.join(sorted(app.nodes))}")
+
+
+@contextmanager
+def launched(
+    begun: "Begun", launch: Path, more: Mapping[str, str], plan: Path | None
+) -> Iterator[App]:
+    """Run the app of a launch file; see Begun.launched."""
+    commands, nodes = _what(begun, launch)
+    started: dict[str, Started] = {}
+    try:
+        for each in commands:
+            started[each.node] = _start(begun.processes, each, {**begun.environ, **more})
+        app = App(started, nodes)
+        wait_until_joined(begun, app)
+        if plan:
+            wait_for(lambda: _is_closed(begun, app, plan), "the guard to be in every way")
+        yield app
+    finally:
+        begun.processes.end(tuple(started.values()))
+
+
+def _what(begun: "Begun", launch: Path) -> tuple[Sequence[NodeCommand], Collection[str]]:
+    """Return the commands that start an app, and the nodes that are there then."""
+    folders = (own_packages(begun.ros), other_packages(begun.ros))
+    if begun.ros == 1:
+        nodes = node_names(launch, folders, begun.environ)
+        return [NodeCommand("roslaunch", ("roslaunch", str(launch)))], nodes
+    commands = node_commands(launch, folders, begun.environ, begun.python)
+    return commands, {each.node for each in commands if each.is_of_app}
+
+
+def _start(processes: Processes, what: NodeCommand, environ: Mapping[str, str]) -> Started:
+    return processes.start(what.command, environ, name=what.node.strip("/").replace("/", "_"))
+
+
+def _is_joined(begun: "Begun", app: App) -> bool:
+    """Tell whether each node of the app publishes or subscribes something."""
+    app.check()
+    generation = ("--ros", str(begun.ros), *(_SETTLED if begun.ros != 1 else ()))
+    words = ("scan", "--live", *generation, "--format", "graph", "--fail-on", "never")
+    try:
+        graph = json.loads(begun.rtron(*words).text)
+    except (SourceError, ValueError):  # nobody has joined yet, or somebody is just leaving
+        return False
+    joined = {end["node"] for end in graph["endpoints"] if not end.get("implicit")}
+    return joined.issuperset(app.nodes)
+
+
+def _is_closed(begun: "Begun", app: App, plan: Path) -> bool:
+    app.check()
+    done = begun.rtron("verify", "--live", "--plan", plan, *_SETTLED, codes=_VERDICTS)
+    return done.code == 0

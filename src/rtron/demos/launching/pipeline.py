@@ -1,0 +1,78 @@
+"""From the app to the guarded app, with RTron's own commands: scan, plan, check, instrument."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rtron.demos.launching.apps import launch_file, other_packages, own_packages
+from rtron.demos.launching.decisions import decide
+from rtron.demos.launching.processes import Finished
+from rtron.demos.launching.run import Begun
+
+_FOUND = (0, 1)
+"""A scan ends with 1 when it found risks."""
+_SETTLED = "5"
+"""Seconds that a domain of ROS 2 gets to be found whole."""
+
+
+@dataclass(slots=True)
+class Pipeline:
+    """Makes the guarded launch in `folder`; `said` is what each command was and printed.
+
+    The decisions are the developer's, who edits the proposed plan.
+    """
+
+    begun: Begun
+    folder: Path
+    said: list[Finished] = field(default_factory=list)
+
+    @property
+    def graph(self) -> Path:
+        """The app's interaction graph."""
+        return self.folder / "graph.json"
+
+    @property
+    def proposed(self) -> Path:
+        """The plan that RTron proposes."""
+        return self.folder / "proposed.yaml"
+
+    @property
+    def plan(self) -> Path:
+        """The plan with the developer's decisions."""
+        return self.folder / "rtron.yaml"
+
+    @property
+    def guarded(self) -> Path:
+        """The launch file that starts the guarded app."""
+        kind = ".launch" if self.begun.ros == 1 else ".launch.xml"
+        return self.folder / f"guarded{kind}"
+
+    def scan(self) -> None:
+        """Read the app: in ROS 1 from its source; in ROS 2 as it runs, so it must run now."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._rtron("scan", *self._app(), "--format", "graph", "-o", self.graph, codes=_FOUND)
+        self._rtron("scan", self.graph, codes=_FOUND)
+
+    def guard(self, decisions: Mapping[str, Any]) -> Path:
+        """Plan, decide, check and instrument; return the launch file of the guarded app."""
+        self._rtron("plan", self.graph, "-o", self.proposed)
+        decide(self.proposed, self.plan, decisions)
+        self._rtron("check", self.plan, "--graph", self.graph)
+        folders = (own_packages(self.begun.ros), other_packages(self.begun.ros))
+        where = [word for folder in folders for word in ("--packages", folder)]
+        launch = launch_file(self.begun.ros)
+        self._rtron("instrument", launch, "--plan", self.plan, "-o", self.guarded, *where)
+        return self.guarded
+
+    def _app(self) -> Sequence[str | Path]:
+        """Return how `rtron scan` is told of the app.
+
+        In ROS 1 the third-party packages are found by ROS_PACKAGE_PATH, which makes them so.
+        """
+        if self.begun.ros == 1:
+            return (own_packages(1), "--launch", launch_file(1))
+        return ("--live", "--ros", "2", "--timeout", _SETTLED)
+
+    def _rtron(self, *words: str | Path, codes: Sequence[int] = (0,)) -> None:
+        self.said.append(self.begun.rtron(*words, codes=codes))

@@ -1,0 +1,60 @@
+"""A demonstration: the app as it is and the guarded app, in a world, recorded by the service."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.demos.cases import Case
+from rtron.demos.launching.run import begun
+from rtron.demos.launching.service import Service, served
+from rtron.demos.measuring.run import Run, Variant
+from rtron.demos.running.study import Study
+from rtron.demos.running.wanted import Tell, Wanted
+
+Finish = Callable[[Study, Service | None], None]
+"""Takes what was found, while the service still runs; it is None where no guard was wanted."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wish:
+    """What to demonstrate on which ROS (1 or 2), at `speed` simulated s a wall s."""
+
+    cases: Sequence[Case]
+    seeds: Sequence[int]
+    ros: int
+    speed: float
+    guard: bool = True
+
+    @property
+    def runs(self) -> int:
+        """How many runs that takes."""
+        variants = len(Variant) if self.guard else len(Variant) - 1
+        return len(self.cases) * len(self.seeds) * variants
+
+
+def demonstrate(wish: Wish, work: Path, tell: Tell, finish: Finish) -> None:
+    """Run what is wished, in the folder `work`, then `finish`; nothing is left running.
+
+    SourceError if something that it needs is not there or ends; to be called in the main thread.
+    """
+    with begun(wish.ros, work, speed=wish.speed) as surroundings:
+        study = Study(surroundings, Wanted(cases=wish.cases, seeds=wish.seeds), tell)
+        study.unguarded()
+        if not wish.guard:
+            finish(study, None)
+            return
+        environ = dict(surroundings.environ)
+        with served(surroundings.processes, work / "service", environ) as service:
+            study.guarded(service)
+            finish(study, service)
+
+
+def as_expected(runs: Sequence[Run]) -> bool:
+    """Tell whether each attack did harm without the guard, and nothing else went wrong."""
+    return all(map(_as_expected, runs))
+
+
+def _as_expected(run: Run) -> bool:
+    if run.variant is Variant.ATTACKED:
+        return bool(run.harm)
+    return run.completed and not run.harm

@@ -1,0 +1,119 @@
+"""What a demonstration leaves behind: pictures, figures as JSON, plans, and a report."""
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+from rich.text import Text
+
+from rtron.demos.cases import Case
+from rtron.demos.figures.page import Findings, Picture, Said, page
+from rtron.demos.figures.timeline import timeline
+from rtron.demos.figures.trajectories import trajectories
+from rtron.demos.figures.velocity import velocity
+from rtron.demos.launching.processes import Finished
+from rtron.demos.measuring.run import Variant
+from rtron.demos.running.demonstration import Wish
+from rtron.demos.running.study import Study
+
+SCHEMA = "rtron.demo/1"
+RESULTS = "results.json"
+REPORT = "report.html"
+_KEPT = ("graph.json", "proposed.yaml", "log")
+_INDENT = 1
+
+
+def document(wish: Wish, study: Study, *, whole: bool = False) -> dict[str, Any]:
+    """Return what was found as plain JSON, with every moment of each run if it is to be `whole`."""
+    return {
+        "schema": SCHEMA,
+        "ros": wish.ros,
+        "speed": wish.speed,
+        "cases": [
+            {
+                "case": case.name,
+                "risk": case.risk,
+                "decisions": study.decisions.get(case.name),
+                "runs": [run.as_json(whole=whole) for run in study.runs if run.case == case.name],
+            }
+            for case in wish.cases
+        ],
+    }
+
+
+def write_results(out: Path, wish: Wish, study: Study) -> list[str]:
+    """Write everything into the folder `out`; return the names of the files, the report first."""
+    pictures = {case.name: list(_pictures(out, wish, case, study)) for case in wish.cases}
+    parts = [
+        (_findings(wish, case, study), [picture for _, picture in pictures[case.name]])
+        for case in wish.cases
+    ]
+    (out / REPORT).write_text(page(parts), encoding="utf-8")
+    found = json.dumps(document(wish, study, whole=True), indent=_INDENT)
+    (out / RESULTS).write_text(found + "\n", encoding="utf-8")
+    plans = list(_plans(out, wish, study))
+    _keep(study.pipeline.folder, out)
+    shown = [name for each in pictures.values() for name, _ in each]
+    return [REPORT, RESULTS, *shown, *plans]
+
+
+def _pictures(out: Path, wish: Wish, case: Case, study: Study) -> Iterator[tuple[str, Picture]]:
+    """Draw the runs of a case in the first world."""
+    seed = wish.seeds[0]
+    scene, runs = study.scenes[case.name, seed], study.runs_of(case.name, seed)
+    where = f"{case.name.upper()}, ROS {wish.ros}, world {seed}"
+    ways, speeds = f"{case.name}-trajectories.png", f"{case.name}-velocity.png"
+    trajectories(out / ways, f"{where}: where the robot went", scene, runs)
+    yield ways, _picture(out / ways, f"Where the robot went ({where}).")
+    velocity(out / speeds, f"{where}: how fast it was", scene, runs, turn=case.turns)
+    yield speeds, _picture(out / speeds, f"How fast the robot was ({where}).")
+    if guarded := runs.get(Variant.GUARDED):
+        decided = f"{case.name}-verdicts.png"
+        title = f"{where}: what the guard decided"
+        timeline(out / decided, title, guarded, [case.topic])
+        yield decided, _picture(out / decided, f"What the guard decided ({where}).")
+
+
+def _picture(path: Path, caption: str) -> Picture:
+    return Picture(path.read_bytes(), caption)
+
+
+def _findings(wish: Wish, case: Case, study: Study) -> Findings:
+    decisions = study.decisions.get(case.name)
+    return Findings(
+        case=case,
+        ros=wish.ros,
+        runs=[run for run in study.runs if run.case == case.name],
+        decisions=_yaml(decisions) if decisions else "",
+        commands=list(map(_said, study.said_of(case.name))),
+    )
+
+
+def _said(command: Finished) -> Said:
+    return Said(command.command, Text.from_ansi(command.text).plain)
+
+
+def _yaml(decisions: object) -> str:
+    """Return decisions as YAML, without anchors where the same thing occurs twice."""
+    plain = json.loads(json.dumps(decisions))
+    return str(yaml.safe_dump(plain, sort_keys=False))
+
+
+def _plans(out: Path, wish: Wish, study: Study) -> Iterator[str]:
+    for case in wish.cases:
+        if case.name in study.plans:
+            name = f"{case.name}-rtron.yaml"
+            (out / name).write_text(study.plans[case.name], encoding="utf-8")
+            yield name
+
+
+def _keep(work: Path, out: Path) -> None:
+    """Copy what is of use later from the folder of work."""
+    for path in (work / name for name in _KEPT if (work / name).exists()):
+        if path.is_dir():
+            shutil.copytree(path, out / path.name, dirs_exist_ok=True)
+        else:
+            shutil.copy(path, out / path.name)

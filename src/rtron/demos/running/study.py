@@ -1,0 +1,144 @@
+"""The variants of cases in worlds: the app as it is, and the guarded app."""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from rtron.demos.cases import Case, Decisions, Setting
+from rtron.demos.launching.apps import launch_file
+from rtron.demos.launching.pipeline import Pipeline
+from rtron.demos.launching.processes import Finished
+from rtron.demos.launching.run import Begun
+from rtron.demos.launching.service import Service
+from rtron.demos.measuring.deviation import deviation
+from rtron.demos.measuring.journal import mitigated_after
+from rtron.demos.measuring.run import Run, Runs, Variant
+from rtron.demos.measuring.scene import Scene, way
+from rtron.demos.measuring.verdicts import SECOND, Event, stopped_at
+from rtron.demos.running.session import Session
+from rtron.demos.running.wanted import Tell, Wanted
+from rtron.planning.read import read_plan
+from rtron.risks import discover
+from rtron.sources.graph_json import GraphFile
+from rtron.vocabulary import Risk, streams
+
+_COUNTED = 3 * SECOND // 2
+"""So long (ns) after a run the guard has told its counts, which it does once a second."""
+_UNGUARDED = (Variant.UNATTACKED, Variant.ATTACKED)
+
+
+class Study:
+    """Runs what is wanted, first without the guard, then with it; `runs` grows meanwhile.
+
+    `scenes` are by case and seed, `decisions` and `plans` by case: those of the first world, where
+    each has its own.
+    """
+
+    def __init__(self, begun: Begun, wanted: Wanted, tell: Tell) -> None:
+        self.pipeline = Pipeline(begun, begun.folder)
+        self.runs: list[Run] = []
+        self.scenes: dict[tuple[str, int], Scene] = {}
+        self.decisions: dict[str, Decisions] = {}
+        self.plans: dict[str, str] = {}
+        self._scans: list[Finished] = []
+        self._guarding: dict[str, Sequence[Finished]] = {}
+        self._begun = begun
+        self._wanted = wanted
+        self._tell = tell
+
+    def runs_of(self, case: str, seed: int) -> Runs:
+        """Return the runs of a case in one world, by variant."""
+        found = (run for run in self.runs if (run.case, run.seed) == (case, seed))
+        return {run.variant: run for run in found}
+
+    def said_of(self, case: str) -> Sequence[Finished]:
+        """Return the commands that led to the guarded app of a case, and what they printed."""
+        return [*self._scans, *self._guarding.get(case, ())]
+
+    def risks(self) -> Sequence[Risk]:
+        """Return the risks that the scan found, in the order of kinds."""
+        return discover(GraphFile(self.pipeline.graph).read()).risks
+
+    def unguarded(self) -> None:
+        """Run the app as it is, and scan it: each case in each world, without and with an attack.
+
+        SourceError if something that it needs has ended or does not answer.
+        """
+        self._tell.now("starting the app as it is")
+        with self._begun.launched(launch_file(self._begun.ros)) as app:
+            session = Session(self._begun, app, self._wanted.camera_rate)
+            session.wait_until_connected()
+            self._tell.now("rtron scan: who can interfere with whom?")
+            self.pipeline.scan()
+            self._scans = list(self.pipeline.said)
+            for case in self._wanted.cases:
+                for seed in self._wanted.seeds:
+                    for variant in _UNGUARDED:
+                        self._keep(self._run(session, case, seed, variant))
+
+    def guarded(self, service: Service | None = None) -> None:
+        """Run the guarded app: each case in each world, attacked. To be called after `unguarded`.
+
+        With a service the guard's decisions are recorded, and become part of the runs.
+        """
+        for case in self._wanted.cases:
+            for decisions, seeds in self._by_decisions(case):
+                self.decisions.setdefault(case.name, decisions)
+                self._guarded(case, decisions, seeds, service)
+
+    def _by_decisions(self, case: Case) -> Iterator[tuple[Decisions, Sequence[int]]]:
+        """Yield decisions and the seeds of the worlds that they are for."""
+        found: list[tuple[Decisions, list[int]]] = []
+        for seed in self._wanted.seeds:
+            scene, speed = self.scenes[case.name, seed], self._begun.speed
+            setting = Setting(scene=scene, speed=speed, rate=self._wanted.camera_rate)
+            decisions = case.decisions(setting)
+            if not found or found[-1][0] != decisions:
+                found.append((decisions, []))
+            found[-1][1].append(seed)
+        yield from found
+
+    def _guarded(
+        self, case: Case, decisions: Decisions, seeds: Sequence[int], service: Service | None
+    ) -> None:
+        self._tell.now("rtron plan, check, instrument: what should stand in between?")
+        before = len(self.pipeline.said)
+        launch = self.pipeline.guard(decisions)
+        self._guarding.setdefault(case.name, self.pipeline.said[before:])
+        self.plans.setdefault(case.name, self.pipeline.plan.read_text(encoding="utf-8"))
+        began = time.time_ns()
+        self._tell.now("starting the guarded app")
+        more = service.environ() if service else None
+        with self._begun.launched(launch, more, self.pipeline.plan) as app:
+            session = Session(self._begun, app, self._wanted.camera_rate)
+            session.wait_until_connected()
+            runs = [self._run(session, case, seed, Variant.GUARDED) for seed in seeds]
+            events = service.recorded.events(began, time.time_ns() + _COUNTED) if service else ()
+        for run in runs:
+            self._keep(self._with_verdicts(run, case, events))
+
+    def _run(self, session: Session, case: Case, seed: int, variant: Variant) -> Run:
+        self._tell.now(f"{case.name}, world {seed}: {variant}")
+        scene, run = session.run(case, seed, variant)
+        self.scenes[case.name, seed] = scene
+        return run
+
+    def _with_verdicts(self, run: Run, case: Case, events: Sequence[Event]) -> Run:
+        """Return a guarded run with what the guard told in its time, a second more for counts."""
+        ended = run.began_wall + run.ended / run.speed + 1
+        own = tuple(e for e in events if run.began_wall <= e["at"] / SECOND <= ended)
+        stopped = stopped_at(own, case.topic, case.attacker)
+        after = mitigated_after(run.attack, stopped)
+        return replace(run, events=own, mitigated_after=after, publishers=self._publishers())
+
+    def _publishers(self) -> dict[tuple[str, str], str]:
+        found = streams(read_plan(self.pipeline.plan))
+        return {(each.topic, flow.name): flow.publisher for each in found for flow in each.flows}
+
+    def _keep(self, run: Run) -> None:
+        """Keep a run with how far it is from the unattacked one, which came before it."""
+        calm = self.runs_of(run.case, run.seed).get(Variant.UNATTACKED)
+        off = deviation(way(run.samples), way(calm.samples)) if calm else None
+        kept = replace(run, deviation=off)
+        self.runs.append(kept)
+        self._tell.done(kept)

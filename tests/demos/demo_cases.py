@@ -1,0 +1,104 @@
+"""The case studies on a real ROS: studied once, and looked at by the tests of that ROS."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from uuid import uuid4
+
+import pytest
+
+from rtron.demos.cases import CASES
+from rtron.demos.launching.run import begun
+from rtron.demos.measuring.run import Variant
+from rtron.demos.running.study import Study
+from rtron.demos.running.wanted import Tell, Wanted
+
+SEEDS = (1, 2, 3)
+SPEED = 3.0
+_MARK = "TEST_OF_ENDING"
+_RUNNING = 9
+"""So many processes are there when the app is starting."""
+_LIMIT = 60.0
+
+
+def studied(ros, folder):
+    """Return the study of all cases in three worlds, without and with the guard."""
+    with begun(ros, folder, speed=SPEED) as surroundings:
+        wanted = Wanted(cases=list(CASES.values()), seeds=SEEDS)
+        study = Study(surroundings, wanted, Tell(lambda now: None, lambda done: None))
+        study.unguarded()
+        study.guarded()
+    return study
+
+
+EXPECTED = {
+    "unattacked": ("completed", "not collided", "none sent", "none delivered"),
+    "attacked": ("harmed", "sent", "delivered"),
+    "guarded": ("completed", "not collided", "sent", "none delivered", "as fast as ever"),
+}
+
+
+def facts(study, case, seed):
+    """Return what is true of a world's runs, by variant, in the words of EXPECTED."""
+    calm, attacked, guarded = (study.runs_of(case, seed)[variant] for variant in Variant)
+    fast = guarded.time_to_goal and guarded.time_to_goal <= 1.1 * calm.time_to_goal
+    speed = "as fast as ever" if fast else guarded.time_to_goal
+    harmed = "harmed" if attacked.harm else attacked.outcome
+    return {
+        "unattacked": (calm.outcome, collided(calm), *messages(calm)),
+        "attacked": (harmed, *messages(attacked)),
+        "guarded": (guarded.outcome, collided(guarded), *messages(guarded), speed),
+    }
+
+
+def collided(run):
+    return "collided" if run.collided else "not collided"
+
+
+def messages(run):
+    sent = "sent" if run.sent else "none sent"
+    return sent, "delivered" if run.delivered else "none delivered"
+
+
+def check_ending(ros, folder, number):
+    """Check that the demo, ended in the midst, leaves no process behind."""
+    mark = uuid4().hex
+    out = folder / "out"
+    command = [sys.executable, "-m", "rtron", "demo", "gr", "--ros", str(ros), "-o", str(out)]
+    ran = subprocess.Popen(command, env={**os.environ, _MARK: mark}, start_new_session=True)
+    try:
+        wait_for(lambda: len(marked(mark)) >= _RUNNING or ran.poll() is not None)
+        assert ran.poll() is None
+        ran.send_signal(number)
+        assert ran.wait(_LIMIT) == 130
+        assert marked(mark) == []
+    finally:
+        for pid in marked(mark):
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        ran.wait()
+
+
+def marked(mark):
+    """Return the processes that the marked one has started, itself among them."""
+    wanted = f"{_MARK}={mark}".encode()
+    return [int(each.name) for each in Path("/proc").glob("[0-9]*") if wanted in environ(each)]
+
+
+def environ(folder):
+    try:
+        return (folder / "environ").read_bytes().split(b"\0")
+    except OSError:
+        return []
+
+
+def wait_for(condition):
+    deadline = time.monotonic() + _LIMIT
+    while not condition():
+        if time.monotonic() > deadline:
+            pytest.fail("waited in vain")
+        time.sleep(0.05)

@@ -1,0 +1,152 @@
+"""Runs that never were, for tests of what is made of runs."""
+
+from math import cos, pi, sin
+
+from rtron.demos.measuring.deviation import deviation
+from rtron.demos.measuring.journal import Attack
+from rtron.demos.measuring.run import Run, Variant
+from rtron.demos.measuring.scene import way
+from rtron.demos.measuring.verdicts import SECOND
+from rtron.demos.world.truth import Truth
+
+BEGAN = 1_000.0
+SPEED = 2.0
+CORRIDOR = {
+    "case": "gr",
+    "seed": 1,
+    "size": [5.0, 1.2],
+    "walls": [[0, 0, 5, 0], [0, 1.2, 5, 1.2]],
+    "obstacles": [],
+    "area": None,
+    "light": None,
+    "pedestrian_paths": [],
+    "start": [0.4, 0.6, 0.0],
+    "goal": [4.5, 0.6],
+    "bad_goal": None,
+    "overspeed": 0.26,
+    "route": [[0.4, 0.6], [4.5, 0.6]],
+}
+ROOM = CORRIDOR | {
+    "case": "msr",
+    "size": [5.0, 4.0],
+    "walls": [[0, 0, 5, 0], [5, 0, 5, 4], [5, 4, 0, 4], [0, 4, 0, 0]],
+    "obstacles": [
+        {"center": [2.0, 2.4], "radius": 0.25},
+        {"polygon": [[3.2, 1.9], [3.7, 1.9], [3.7, 2.3], [3.2, 2.3]]},
+    ],
+    "area": [[1.8, 0.2], [3.6, 0.2], [3.6, 1.1], [1.8, 1.1]],
+    "light": [4.2, 3.4],
+    "pedestrian_paths": [[[2.8, 1.3], [2.8, 3.0]], [[4.0, 1.2], [4.0, 2.8]]],
+    "start": [0.5, 0.6, 0.8],
+    "goal": [4.5, 2.2],
+    "bad_goal": [2.7, 0.7],
+}
+
+
+def straight(upto=4.5, turn_at=None, until=20.0):
+    """Return samples of a drive along the corridor; it bends to the right from `turn_at` (s) on."""
+    x, y, heading, found, step = 0.4, 0.6, 0.0, [], 0.05
+    for number in range(int(until / step)):
+        t = number * step
+        turn = -0.2 if turn_at is not None and t > turn_at else 0.0
+        heading += turn * step
+        speed = min(0.22, 0.3 * t) if x < upto else 0.0
+        x, y = x + speed * cos(heading) * step, y + speed * sin(heading) * step
+        collided = y < 0.105
+        found.append(
+            Truth(
+                t=t,
+                run=1,
+                pose=(x, y, heading),
+                velocity=(speed, turn),
+                commanded=(speed, turn),
+                clearance=max(0.0, y - 0.105),
+                collided=collided,
+                in_area=False,
+                network=True,
+                light="none",
+                pedestrians=(),
+                distance_to_goal=abs(4.5 - x),
+            )
+        )
+        if collided:
+            break
+    return tuple(found)
+
+
+def event(at, kind="verdict", **values):
+    """Return an event at `at` wall s."""
+    words = dict.fromkeys(("topic", "flow", "publisher", "decision"), "")
+    return {"at": round(at * SECOND), "kind": kind, **words, "values": {}} | values
+
+
+def counted(at, **flows):
+    """Return an event that counts what /cmd_vel's flows met in the wall second before `at`."""
+    streams = {"/cmd_vel": {"flows": {name: list(counts) for name, counts in flows.items()}}}
+    return event(at, "counts", values={"streams": streams, "fps": {}})
+
+
+def guard_events():
+    """Return the events of a guarded run of the corridor."""
+    named = [
+        event(BEGAN, topic="/cmd_vel", flow="flow1", publisher="/move_base", decision="pass"),
+        event(
+            BEGAN + 2.5004,
+            topic="/cmd_vel",
+            flow="flow2",
+            publisher="/tb3_safe_control",
+            decision="drop",
+        ),
+    ]
+    for second in range(1, 11):
+        flood = 100 if second > 3 else 30 if second == 3 else 0
+        others = 80 if second > 5 else 0
+        flows = {"flow1": (20, 0, 0, 0), "flow2": (0, 0, flood, 0), "unapproved": (0, 0, others, 0)}
+        named.append(counted(BEGAN + second, **flows))
+    return tuple(named)
+
+
+def attack_of(ended, delivered):
+    """Return an attack of 700 messages from 5 simulated s on, of which some were delivered."""
+    times = [BEGAN + (5.0 + (ended - 5.0) * n / 699) / SPEED for n in range(700)]
+    return Attack(tuple(times), tuple(times[:delivered]))
+
+
+def made(variant, **values):
+    """Return a run of the corridor."""
+    turn_at = 5.0 if variant is Variant.ATTACKED else None
+    samples = straight(turn_at=turn_at)
+    attacked = variant is not Variant.UNATTACKED
+    harm = "collision" if variant is Variant.ATTACKED else ""
+    defaults = {
+        "case": "gr",
+        "ros": 1,
+        "seed": 1,
+        "speed": SPEED,
+        "variant": variant,
+        "completed": not harm,
+        "harm": harm,
+        "collided": bool(harm),
+        "ended": samples[-1].t,
+        "time_to_goal": None if harm else 19.1,
+        "harmed_at": samples[-1].t if harm else None,
+        "attack": attack_of(samples[-1].t, 180 if harm else 0) if attacked else Attack(),
+        "mitigated_after": 0.0004 if variant is Variant.GUARDED else None,
+        "deviation": deviation(way(samples), way(straight())),
+        "began_wall": BEGAN,
+        "samples": samples,
+        "events": guard_events() if variant is Variant.GUARDED else (),
+    }
+    defaults["publishers"] = {
+        ("/cmd_vel", "flow1"): "/move_base",
+        ("/cmd_vel", "flow2"): "/tb3_safe_control",
+    }
+    return Run(**defaults | values)
+
+
+def three(**values):
+    """Return the three runs of a case by variant."""
+    return {variant: made(variant, **values) for variant in Variant}
+
+
+CIRCLE = tuple((cos(2 * pi * n / 200), sin(2 * pi * n / 200)) for n in range(201))
