@@ -20,7 +20,7 @@ from rtron.demos.running.study import Study
 from rtron.demos.running.wanted import Tell as TellStudy
 
 WORLDS = 20
-SPEED = 2.0
+SPEED = 3.0
 PAGE = Path(__file__).parents[1] / "build" / "demo_runs.md"
 _SLOWER = 1.05
 _ADAPTS = 0.5

@@ -5,14 +5,13 @@ import signal
 import pytest
 from demo_cases import EXPECTED, SEEDS, check_ending, facts, studied
 
-from rtron.demos.cases import CASES
-
 pytestmark = [pytest.mark.ros1, pytest.mark.timeout(600)]
+CASES = ("rsr", "msr")
 
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
-    return studied(1, tmp_path_factory.mktemp("demo"))
+    return studied(1, tmp_path_factory.mktemp("demo"), *CASES)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

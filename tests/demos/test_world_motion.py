@@ -26,9 +26,9 @@ def began(world, case, seed=1):
 
 def drive(world, velocity, seconds):
     """Drive for some simulated seconds, and return the truth after each step."""
-    world.command(velocity, 0.0)
     found = []
     for _ in range(round(seconds / body.STEP)):
+        world.command(velocity, 0.0)
         world.step()
         found.append(world.truth())
     return found
@@ -56,6 +56,19 @@ def test_the_robot_accelerates_no_faster_than_its_motors_can(world):
     assert truths[0].velocity == pytest.approx((0.125, 0.3))
     assert before == pytest.approx((1.5, 2.84))
     assert truths[-1].commanded == (2.0, 2.84)
+
+
+def test_the_motors_stop_when_nobody_has_told_them_anything_for_half_a_second(world):
+    began(world, "gr")
+    moving = drive(world, (CRUISE, 0.0), 1.0)[-1].velocity[0]
+    speeds = []
+    for _ in range(14):
+        world.step()
+        speeds.append(world.truth().velocity[0])
+    assert speeds[:9] == pytest.approx([moving] * 9)
+    assert speeds[9] < moving
+    assert speeds[-1] == 0.0
+    assert drive(world, (CRUISE, 0.0), 1.0)[-1].velocity[0] == pytest.approx(CRUISE)
 
 
 def test_the_robot_goes_where_it_heads(world):

@@ -31,6 +31,16 @@ def off(pose, place):
     return (atan2(place[1] - pose[1], place[0] - pose[0]) - pose[2] + pi) % (2 * pi) - pi
 
 
+def told(base, velocity, condition):
+    """Return a condition on truths that tells the base its velocity each time it is asked."""
+
+    def asked(truth):
+        base.send({"velocity": velocity})
+        return condition(truth)
+
+    return asked
+
+
 def test_everybody_is_welcomed(client):
     for role in ("base", "lidar", "camera", "battery", "mission", "computer", "network"):
         welcome = client(role).welcome
@@ -57,8 +67,7 @@ def test_a_run_from_reset_to_a_collision(client, owner):
     owner.start()
     goal = mission.next().head
     assert (goal["run"], goal["goal"]) == (begun.run, begun.scene["goal"])
-    base.send({"velocity": [0.5, 0.6]})
-    hit = truth_when(owner, lambda truth: truth.collided)
+    hit = truth_when(owner, told(base, [0.5, 0.6], lambda truth: truth.collided))
     assert hit.run == begun.run
     assert hit.commanded == (0.5, 0.6)
     assert base.until(lambda f: f.head["t"] >= hit.t).head["pose"] == pytest.approx(hit.pose)
@@ -87,10 +96,9 @@ def test_the_network_device_hears_of_the_area(client, owner):
     owner.start()
     (x, y, _), (gx, gy) = scene["start"], scene["bad_goal"]
     side = 1 if (gx - x) * (gy - y) > 0 else -1
-    base.send({"velocity": [0.0, 0.5 * side]})
-    turned = truth_when(owner, lambda truth: abs(off(truth.pose, (gx, gy))) < 0.06)
-    base.send({"velocity": [0.5, 0.0]})
-    lost = truth_when(owner, lambda truth: truth.in_area)
+    heading = told(base, [0.0, 0.5 * side], lambda truth: abs(off(truth.pose, (gx, gy))) < 0.06)
+    turned = truth_when(owner, heading)
+    lost = truth_when(owner, told(base, [0.5, 0.0], lambda truth: truth.in_area))
     assert network.next().head == {"connected": False}
     assert lost.t > turned.t
     owner.reset("msr", 3)

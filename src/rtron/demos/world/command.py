@@ -1,8 +1,10 @@
-"""The velocity that the motors are told to have: held until the next one comes."""
+"""The velocity that the motors are told to have: held until the next one comes, but not for long."""
 
-from rtron.demos.world.body import Velocity, clipped
+from rtron.demos.world.body import STEP, Velocity, clipped
 
 STILL = (0.0, 0.0)
+HOLD = 0.5
+"""Without a word for so long, s, the motors stop (TurtleBot3's firmware: CONTROL_MOTOR_TIMEOUT)."""
 
 
 class Command:
@@ -17,17 +19,19 @@ class Command:
         """m/s, rad/s."""
         self._since = 0.0
         self._way: list[float] | None = None
+        self._silent = 0
 
     def take(self, velocity: Velocity, share: float) -> None:
         """Hold a velocity, which came when `share` (0 to 1) of the step had passed."""
         now = max(self._since, min(1.0, share))
         self._way = self._summed(now)
-        self._since, self.held = now, clipped(velocity)
+        self._since, self.held, self._silent = now, clipped(velocity), 0
 
     def mean(self) -> Velocity:
         """End a step, and return what was held on average within it."""
         if self._way is None:
-            return self.held
+            self._silent += 1
+            return self.held if self._silent * STEP < HOLD else STILL
         v, w = self._summed(1.0)
         self._since, self._way = 0.0, None
         return v, w
