@@ -11,6 +11,7 @@ from rtron.cli.options import Ros
 from rtron.demos.cases import GR, Setting
 from rtron.demos.launching import surroundings
 from rtron.demos.launching.processes import Finished
+from rtron.demos.measuring.journal import Attack
 from rtron.demos.measuring.run import Variant
 from rtron.demos.running.demonstration import Wish, as_expected
 from rtron.demos.running.results import document, write_results
@@ -68,6 +69,7 @@ def test_it_is_as_expected_only_if_the_attack_does_harm_without_the_guard_alone(
     assert not as_expected([made(Variant.ATTACKED, harm="", completed=True)])
     assert not as_expected([made(Variant.GUARDED, harm="collision")])
     assert not as_expected([made(Variant.GUARDED, completed=False)])
+    assert not as_expected([made(Variant.GUARDED, attack=Attack())])
     assert not as_expected([made(Variant.UNATTACKED, completed=False)])
 
 

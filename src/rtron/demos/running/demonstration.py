@@ -50,11 +50,13 @@ def demonstrate(wish: Wish, work: Path, tell: Tell, finish: Finish) -> None:
 
 
 def as_expected(runs: Sequence[Run]) -> bool:
-    """Tell whether each attack did harm without the guard, and nothing else went wrong."""
+    """Tell whether each attack was made and did harm without the guard, and all else went well."""
     return all(map(_as_expected, runs))
 
 
 def _as_expected(run: Run) -> bool:
+    if run.attacked and not run.sent:
+        return False
     if run.variant is Variant.ATTACKED:
         return bool(run.harm)
     return run.completed and not run.harm

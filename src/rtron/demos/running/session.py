@@ -1,8 +1,7 @@
 """Runs in one world and one app, one after the other."""
 
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 from rtron.demos.cases import Case
@@ -22,21 +21,6 @@ _SETTLING = 1.0
 """Simulated s in which twenty odometries of the new run go out."""
 _CONNECTED_LIMIT = 30.0
 _PAUSE = 0.05
-
-
-@dataclass(slots=True)
-class Attackers:
-    """Who is started by hand in a run, `at` simulated s after its start; None: nobody."""
-
-    begun: Begun
-    stack: ExitStack
-    at: float | None
-
-    def come(self, judge: Judge) -> None:
-        """Start the attacker if it is time."""
-        if self.at is not None and judge.samples and judge.samples[-1].t >= self.at:
-            self.at = None
-            self.stack.enter_context(self.begun.by_hand())
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,12 +55,11 @@ class Session:
 
         SourceError if a process of the app or the world has ended.
         """
-        started = self.start(case, seed, variant)
-        judge = Judge(case, started.scene)
-        with self._attackers(case, variant) as attackers:
+        with self._by_hand(case, variant):
+            started = self.start(case, seed, variant)
+            judge = Judge(case, started.scene)
             while not judge.is_over:
                 self._watch(judge, started)
-                attackers.come(judge)
             wall = started.wall, time.time()
             self.begun.arm("none", started.run)
         return started.scene, self._told(judge, seed, variant, wall)
@@ -106,11 +89,10 @@ class Session:
             raise SourceError(f"the world has said nothing for {_NO_TRUTH:g} s")
         return [truth for truth in truths if truth.run == run]
 
-    @contextmanager
-    def _attackers(self, case: Case, variant: Variant) -> Iterator[Attackers]:
-        by_hand = case.by_hand and variant is not Variant.UNATTACKED
-        with ExitStack() as stack:
-            yield Attackers(self.begun, stack, case.after if by_hand else None)
+    def _by_hand(self, case: Case, variant: Variant) -> AbstractContextManager[object]:
+        """Start the second attacker, which like the first waits for its order, if there is one."""
+        wanted = case.by_hand and variant is not Variant.UNATTACKED
+        return self.begun.by_hand() if wanted else nullcontext()
 
     def _told(self, judge: Judge, seed: int, variant: Variant, wall: tuple[float, float]) -> Run:
         begun, case, scene = self.begun, judge.case, judge.scene
