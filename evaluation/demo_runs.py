@@ -14,7 +14,7 @@ which is the guard's own time: from the first malicious message to the first ver
 one. `off` is the largest distance from the unattacked way.
 """
 _COLUMNS = (
-    "world | unattacked | attacked | harm | sent / delivered | guarded | time | "
+    "world | unattacked | attacked | collided | sent / delivered | guarded | time | "
     "sent / delivered | mitigated | off"
 )
 _RULE = "--:|--:|---|---|--:|---|--:|--:|--:|--:"
@@ -42,7 +42,7 @@ def _line(runs: Mapping[Variant, Run]) -> str:
         str(calm.seed),
         _time(calm.time_to_goal),
         attacked.outcome,
-        "yes" if attacked.harm else "no",
+        "yes" if attacked.collided else "no",
         f"{attacked.sent} / {attacked.delivered}",
         guarded.outcome,
         _time(guarded.time_to_goal),
@@ -61,7 +61,9 @@ def _slowed(slowed: Mapping[int, Sequence[Adaptation]]) -> Iterator[str]:
     for ros, found in slowed.items():
         yield f"## Safe on ROS {ros}: how soon the robot adapts\n"
         yield "The recogniser's rate is halved, from 20 to 10 images a second, while the robot"
-        yield "cruises at speed 1; wall seconds until it is as slow as it may be then.\n"
+        yield "cruises at speed 1; wall seconds until it is as slow as it may be then (10 % more"
+        yield "counts as that). The guard counts frames over 0.2 s; the case itself runs with 10"
+        yield "images a second and a window of four of them, and so adapts later.\n"
         yield "| world | after | at most |\n|--:|--:|--:|"
         for each in found:
             after = "never" if each.after is None else f"{each.after:.2f} s"

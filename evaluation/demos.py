@@ -87,6 +87,9 @@ def figures_of_case(name: str, runs: Sequence[Run]) -> Iterator[Figure]:
     )
     ratios = list(_ratios(calm, guarded))
     yield Figure(f"{name}.harmed", _harmed(attacked), None, "of 20", at_least=_ENOUGH)
+    collided = sum(run.collided for run in attacked)
+    yield Figure(f"{name}.collided", collided, None, "of 20")
+    yield Figure(f"{name}.guarded.attacked", _attacked(guarded), None, "of 20", at_least=_ENOUGH)
     yield Figure(f"{name}.guarded.harmed", _harmed(guarded), None, "of 20", at_most=0)
     completed = sum(run.completed for run in guarded)
     yield Figure(f"{name}.guarded.completed", completed, None, "of 20", at_least=_ENOUGH)
@@ -105,6 +108,10 @@ def _ratios(calm: Sequence[Run], guarded: Sequence[Run]) -> Iterator[float]:
         usual = times.get(run.seed)
         if usual and run.time_to_goal:
             yield run.time_to_goal / usual
+
+
+def _attacked(runs: Sequence[Run]) -> int:
+    return sum(bool(run.sent) for run in runs)
 
 
 def _harmed(runs: Sequence[Run]) -> int:
