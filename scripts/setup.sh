@@ -16,6 +16,8 @@ TEST_PACKAGES=(
   libstd-msgs-dev make pkg-config postgresql python3-actionlib
 )
 
+ROS2_BELOW=3.14 # the wheels of ROS 2 are for Python 3.10 to 3.13
+
 installed() {
   dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
 }
@@ -61,14 +63,16 @@ install_packages() {
     "on Ubuntu they are in 'universe': sudo add-apt-repository universe"
 }
 
-# The Python to use: the first of these that is at least 3.10 and can make a venv.
+# find_python BELOW: the first Python that is at least 3.10, below BELOW, and can make a venv.
 find_python() {
-  local python
+  local python fits="import sys, venv, ensurepip
+sys.exit(not (3, 10) <= sys.version_info < tuple(map(int, '$1'.split('.'))))"
   for python in "${PYTHON:-python3}" python3 /usr/bin/python3; do
-    "$python" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))' \
-      2>/dev/null && { echo "$python"; return; }
+    "$python" -c "$fits" 2>/dev/null && { echo "$python"; return; }
   done
-  give_up "no Python >= 3.10 found" "set PYTHON to one, for example: PYTHON=python3.12 make setup"
+  give_up "no Python >= 3.10 and < $1 found that can make a virtual environment" \
+    "on Debian and Ubuntu: sudo apt-get install python3-venv" \
+    "or set PYTHON to another, for example: PYTHON=python3.12 make setup"
 }
 
 wanted_state() {
@@ -76,15 +80,16 @@ wanted_state() {
   pwd
 }
 
-# make_venv FOLDER LOCK: have a virtual environment with all that a lock file names, and RTron.
+# make_venv FOLDER LOCK BELOW: have a virtual environment of a Python below BELOW with all that a
+# lock file names, and RTron.
 make_venv() {
-  local folder=$1 lock=$2
+  local folder=$1 lock=$2 below=$3
   if [ "$(cat "$folder/.ready" 2>/dev/null)" = "$(wanted_state "$lock")" ]; then
     return
   fi
   if ! "$folder/bin/python" -m pip --version >/dev/null 2>&1; then
     local python
-    python=$(find_python)
+    python=$(find_python "$below")
     echo "setup: making $folder with $("$python" --version)"
     "$python" -m venv --clear "$folder"
   fi
@@ -102,13 +107,13 @@ has_ros2_wheels() {
 if [ "${1:-}" = demo ]; then
   has_ros2_wheels || give_up "there are no wheels of ROS 2 for $(uname -m)" \
     "with a ROS of your own: make setup, then .venv/bin/rtron demo all"
-  make_venv .venv-ros2 requirements-ros2.lock
+  make_venv .venv-ros2 requirements-ros2.lock $ROS2_BELOW
   exit
 fi
 install_packages
-make_venv .venv requirements.lock
+make_venv .venv requirements.lock 4
 if has_ros2_wheels; then
-  make_venv .venv-ros2 requirements-ros2.lock
+  make_venv .venv-ros2 requirements-ros2.lock 4
 else
   echo "setup: no wheels of ROS 2 for $(uname -m): its tests are left out"
 fi
