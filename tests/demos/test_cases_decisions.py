@@ -67,6 +67,13 @@ def test_the_window_has_frames_enough_to_count(speed, rate):
     assert window * speed * rate >= 3.99
 
 
+@pytest.mark.parametrize("case", [GR, MSR])
+@pytest.mark.parametrize("speed", [0.25, 2.0])
+def test_who_tells_the_maximal_velocity_once_a_second_keeps_control(case, speed):
+    decided = case.decisions(setting(speed))["grcn"]["/control/max_vel"]
+    assert float(decided["release_after"].removesuffix(" s")) * speed == pytest.approx(3)
+
+
 def test_the_unstable_area_is_that_of_the_world():
     decided = MSR.decisions(setting())["msrcn"]
     (area,) = decided["areas"]

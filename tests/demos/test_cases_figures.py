@@ -29,6 +29,8 @@ def test_the_figures_of_a_case_that_goes_well():
     assert {name: each.ours for name, each in found.items()} == pytest.approx(
         {
             "demo.harmed": 20,
+            "demo.collided": 20,
+            "demo.guarded.attacked": 20,
             "demo.guarded.harmed": 0,
             "demo.guarded.completed": 20,
             "demo.guarded.delivered": 0,

@@ -116,3 +116,8 @@ def test_an_fps_monitor_keeps_what_was_proposed_for_it(decided):
 def test_a_name_that_the_plan_does_not_have_is_refused(decisions):
     with pytest.raises(InputError, match=r"the plan has no .*/no"):
         with_decisions(yaml.safe_load(PROPOSED), decisions)
+
+
+def test_the_app_is_called_as_decided(decided):
+    assert decided(app="demo, gr").app == "demo, gr"
+    assert decided().app == "demo"

@@ -142,6 +142,14 @@ def test_an_interrupted_runner_leaves_nothing_behind(tmp_path, number, ignored):
     assert not any(map(is_there, pids))
 
 
+def test_an_interrupted_runner_says_that_it_ends():
+    text = "from rtron.demos.launching.interrupts import heard\n"
+    text += "import signal\nwith heard(): signal.raise_signal(signal.SIGTERM)\n"
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, check=False)
+    assert done.returncode == -signal.SIGINT
+    assert done.stderr.decode().startswith("\nending what was started…\n")
+
+
 def test_whom_nohup_started_outlives_its_terminal():
     text = "from rtron.demos.launching.interrupts import heard, deferred\n"
     text += "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"

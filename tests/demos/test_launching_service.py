@@ -15,6 +15,8 @@ def counts(**flows):
 
 
 def test_the_service_runs_as_long_as_the_block(tmp_path):
+    graph = tmp_path / "graph.json"
+    graph.write_text('{"schema": "rtron.graph/1", "app": "tb3", "nodes": []}')
     environ = {**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}
     with Processes(tmp_path) as processes:
         with served(processes, tmp_path / "service", environ) as service:
@@ -23,6 +25,10 @@ def test_the_service_runs_as_long_as_the_block(tmp_path):
             assert len(service.password) >= 12
             assert service.environ()["RTRON_SERVICE"] == service.url
             assert service.guard_token.stat().st_mode & 0o077 == 0
+            assert service.developer_token.stat().st_mode & 0o077 == 0
+            assert service.page == f"{service.url}/#/robots/tb3/events"
+            with pytest.raises(SourceError, match="there is no such robot"):
+                service.upload(graph)
         with pytest.raises(SourceError, match="does not answer"):
             service.recorded.robots()
 

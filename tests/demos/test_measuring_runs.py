@@ -119,7 +119,7 @@ def test_whoever_is_not_in_the_plan_is_an_attacker():
     [
         (Attack(), 5.0, None),
         (Attack(sent=(4.0,)), 4.5, 0.5),
-        (Attack(sent=(4.0,)), None, 0.0),
+        (Attack(sent=(4.0,)), None, None),
         (Attack(sent=(4.0,), delivered=(4.0,)), 4.5, 0.5),
         (Attack(sent=(4.0,), delivered=(4.0,)), None, None),
     ],
@@ -140,6 +140,28 @@ def test_the_table_of_one_world():
     assert found["stopped after, at most"] == ("-", "never", "0.4 ms")
     assert found["time to the goal (simulated)"] == ("19.1 s", "-", "19.1 s")
     assert found["off the way, at most / mean"][2] == "0.00 m / 0.00 m"
+
+
+CAME = Attack(sent=(4.0,), delivered=(4.0,))
+
+
+@pytest.mark.parametrize(
+    ("found", "mitigation", "cell"),
+    [
+        ([(0.002, CAME)], "stopped", "2.0 ms"),
+        ([(None, Attack(sent=(4.0,)))], "nothing arrived", "nothing arrived"),
+        ([(None, CAME)], "never", "never"),
+        ([(None, Attack())], "", "-"),
+        ([(0.002, CAME), (None, Attack(sent=(4.0,)))], "stopped", "2.0 ms, nothing arrived"),
+        ([(0.002, CAME), (None, CAME), (None, Attack())], "stopped", "never"),
+    ],
+)
+def test_where_nothing_arrived_no_time_is_made_up(found, mitigation, cell):
+    runs = [
+        made(Variant.GUARDED, attack=attacked, mitigated_after=after) for after, attacked in found
+    ]
+    assert runs[0].as_json()["mitigation"] == mitigation
+    assert table_of(runs)["stopped after, at most"] == (cell,)
 
 
 def test_the_table_of_two_worlds():

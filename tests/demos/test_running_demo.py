@@ -7,6 +7,7 @@ import pytest
 from demo_runs import CORRIDOR, made, three
 
 from rtron.cli import demonstrating
+from rtron.cli.demo import CaseName, demo
 from rtron.cli.options import Ros
 from rtron.demos.cases import GR, Setting
 from rtron.demos.launching import surroundings
@@ -91,6 +92,15 @@ def test_everything_is_written(tmp_path, found):
     assert "&amp;id" not in page
 
 
+def test_earlier_results_are_replaced(tmp_path, found):
+    (tmp_path / "rsr-velocity.png").write_text("of an earlier demo")
+    (tmp_path / "report.html").symlink_to(tmp_path / "elsewhere")
+    write_results(tmp_path, WISH, found)
+    assert not (tmp_path / "rsr-velocity.png").exists()
+    assert not (tmp_path / "elsewhere").exists()
+    assert not (tmp_path / "report.html").is_symlink()
+
+
 def test_the_results_have_every_moment(tmp_path, found):
     write_results(tmp_path, WISH, found)
     results = json.loads((tmp_path / "results.json").read_text())
@@ -136,9 +146,27 @@ def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
         demonstrating.chosen_ros(Ros.AUTO)
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="file"):
-        demonstrating.results_folder(tmp_path / "file" / "out")
-    made_folder = demonstrating.results_folder(tmp_path / "new" / "out")
-    assert made_folder.is_dir()
+def test_the_last_world_is_known():
+    last = demonstrating.LAST_SEED
+    assert demonstrating.worlds(last - 1, 2) == range(last - 1, last + 1)
+    with pytest.raises(InputError, match="the last world is 2147483647"):
+        demonstrating.worlds(last, 2)
+
+
+def test_the_console_shows_only_what_was_guarded():
+    with pytest.raises(InputError, match="both --console and --no-guard"):
+        demo(CaseName.GR, guard=False, console=True)
+
+
+@pytest.mark.parametrize("aside", [False, True])
+def test_the_console_is_told_beside_what_a_program_reads(capsys, monkeypatch, aside):
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("threading.Event.wait", interrupt)
+    service = SimpleNamespace(page="http://here/#/robots/tb3/events", password="word")
+    demonstrating.show_console(service, aside=aside)
+    told, other = capsys.readouterr() if not aside else reversed(capsys.readouterr())
+    assert "http://here/#/robots/tb3/events" in told
+    assert "password word" in told
+    assert other == ""

@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtron.cli.demonstrating import (
+    LAST_SEED,
     chosen_ros,
+    logs_kept,
     need_demo,
-    results_folder,
     show_console,
     shown_progress,
+    worlds,
 )
 from rtron.cli.options import Ros, TextOrJson
 from rtron.cli.outcome import FOUND, OK, Outcome, as_json, tell
+from rtron.errors import InputError
 
 if TYPE_CHECKING:
     from rtron.demos.launching.service import Service
@@ -46,7 +49,9 @@ def demo(  # noqa: PLR0913 - one for each option
     console: Annotated[
         bool, typer.Option("--console", help="Show the run in RTron's console afterwards.")
     ] = False,
-    seed: Annotated[int, typer.Option(min=0, metavar="N", help="The first world.")] = 1,
+    seed: Annotated[
+        int, typer.Option(min=0, max=LAST_SEED, metavar="N", help="The first world.")
+    ] = 1,
     runs: Annotated[int, typer.Option(min=1, metavar="N", help="How many worlds.")] = 1,
     speed: Annotated[
         float, typer.Option(**_SPEEDS, metavar="X", help="Simulated seconds a second.")
@@ -75,19 +80,21 @@ def demo(  # noqa: PLR0913 - one for each option
     $ rtron demo gr --runs 5 --seed 10     in worlds 10 to 14
     $ rtron demo all --format json         for a program
 
-    It writes pictures, results.json, the plans and report.html. All runs on
-    this machine and ends with the command.
+    It writes pictures, results.json, the plans and report.html, in place of
+    those of an earlier demo. All runs on this machine and ends with the command.
 
     Exit code: 0 the attacks do harm without the guard and none with it, and the
     robot arrives; 1 not so; 2 bad options, or no ROS.
     """
-    need_demo()
+    _check(guard=guard, console=console)
     from rtron.demos.cases import CASES  # noqa: PLC0415 - only with the extra
     from rtron.demos.running.demonstration import Wish, as_expected, demonstrate  # noqa: PLC0415
+    from rtron.demos.running.folder import results_folder  # noqa: PLC0415
 
     cases = list(CASES.values()) if case is CaseName.ALL else [CASES[case.value]]
-    seeds = range(seed, seed + runs)
-    wish = Wish(cases=cases, seeds=seeds, ros=chosen_ros(ros), speed=speed, guard=guard)
+    wish = Wish(
+        cases=cases, seeds=worlds(seed, runs), ros=chosen_ros(ros), speed=speed, guard=guard
+    )
     out, found = results_folder(output), []
 
     def finish(study: "Study", service: "Service | None") -> None:
@@ -95,11 +102,23 @@ def demo(  # noqa: PLR0913 - one for each option
         progress.stop()
         _report(wish, study, out, format)
         if console and service:
-            show_console(service)
+            show_console(service, aside=format is TextOrJson.JSON)
 
-    with TemporaryDirectory(prefix="rtron-demo-") as work, shown_progress(wish.runs) as progress:
-        demonstrate(wish, Path(work), progress.tell, finish)
+    with (
+        TemporaryDirectory(prefix="rtron-demo-") as folder,
+        logs_kept(Path(folder), out),
+        shown_progress(wish.runs) as progress,
+    ):
+        demonstrate(wish, Path(folder), progress.tell, finish)
     return Outcome("", OK if as_expected(found) else FOUND)
+
+
+def _check(*, guard: bool, console: bool) -> None:
+    """Raise InputError if the options do not go together, or packages are missing."""
+    if console and not guard:
+        help = "the console shows what the guard does: leave one of the two out"
+        raise InputError("both --console and --no-guard are given", help=help)
+    need_demo()
 
 
 def _report(wish: "Wish", study: "Study", out: Path, format: TextOrJson) -> None:

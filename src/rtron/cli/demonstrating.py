@@ -1,5 +1,6 @@
 """What `rtron demo` needs around it: packages, a ROS, a folder, a bar, the console at the end."""
 
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from rtron.demos.running.wanted import Tell
 
 _NEEDED = ("irsim", "matplotlib", "numpy", "shapely")
+LAST_SEED = 2**31 - 1
 _NO_ROS = "`make setup` in a checkout installs one"
 
 
@@ -48,14 +50,25 @@ def chosen_ros(ros: Ros) -> int:
     return present[0]
 
 
-def results_folder(out: Path) -> Path:
-    """Return the folder for the results, made if it is not there; InputError if it cannot be."""
+def worlds(seed: int, runs: int) -> range:
+    """Return the seeds of the worlds to run in; InputError if the last is none."""
+    if seed + runs - 1 > LAST_SEED:
+        help = "start with an earlier world, or take fewer"
+        raise InputError(f"the last world is {LAST_SEED}", help=help)
+    return range(seed, seed + runs)
+
+
+@contextmanager
+def logs_kept(work: Path, out: Path) -> Iterator[None]:
+    """Copy the logs from the folder of work to `out` if the block fails, and say where they are."""
+    from rtron.demos.running.folder import keep_logs  # noqa: PLC0415 - only with the extra
+
     try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        help = "choose a folder with -o"
-        raise InputError(error.strerror or "cannot be made", path=str(out), help=help) from None
-    return out
+        yield
+    except SourceError as error:
+        if logs := keep_logs(work, out, str(error)):
+            sys.stderr.write(f"The logs are in {logs}\n")
+        raise
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,9 +108,13 @@ def shown_progress(runs: int) -> Iterator[Shown]:
         yield Shown(Tell(now, done), bar)
 
 
-def show_console(service: "Service") -> None:
-    """Say where the console is and how to log in, and wait there for Ctrl-C."""
-    tell(f"\nThe console: {service.url}/  user admin, password {service.password}\n")
-    tell("Ctrl-C ends it.\n")
+def show_console(service: "Service", *, aside: bool = False) -> None:
+    """Say where the console is and how to log in, and wait there for Ctrl-C.
+
+    `aside`: on standard error, since standard output is for a program.
+    """
+    say = sys.stderr.write if aside else tell
+    say(f"\nThe console: {service.page}\nuser admin, password {service.password}\n")
+    say("The guarded app still runs there. Ctrl-C ends both.\n")
     with suppress(KeyboardInterrupt):
         threading.Event().wait()

@@ -15,6 +15,9 @@ ALL_PASS = {"policy": "Block"}
 """Of a GRCN that lets all nodes of the plan pass, since none is blocked; strangers do not pass."""
 GOALS_AT_ONCE = {GOAL: ALL_PASS}
 """A new goal replaces the last, and does not wait for it to be reached."""
+MAX_VEL = "/control/max_vel"
+_REPEATED = 3.0
+"""Simulated s: three times the period in which the maximal velocity is told."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +32,11 @@ class Setting:
     speed: float
     rate: float
     window: float = 0.3
+
+    @property
+    def patient(self) -> Decisions:
+        """Of the maximal velocity's GRCN: who tells one stays in control until the next."""
+        return {MAX_VEL: {"release_after": f"{_REPEATED / self.speed:g} s"}}
 
     @property
     def wall_rate(self) -> float:

@@ -21,7 +21,7 @@ def _is_malicious(topic: str, value: Sequence[float], _scene: Scene) -> bool:
     return topic == TOPIC and tuple(value) == TURN_RIGHT
 
 
-def _decisions(_setting: Setting) -> Decisions:
+def _decisions(setting: Setting) -> Decisions:
     return {
         "grcn": {
             TOPIC: {
@@ -30,6 +30,7 @@ def _decisions(_setting: Setting) -> Decisions:
                 "block_unapproved": True,
             },
             **GOALS_AT_ONCE,
+            **setting.patient,
         }
     }
 

@@ -24,7 +24,7 @@ def _is_malicious(topic: str, value: Sequence[float], scene: Scene) -> bool:
 def _decisions(setting: Setting) -> Decisions:
     polygon = [{"x": f"{x:g} m", "y": f"{y:g} m"} for x, y in setting.scene["area"]]
     return {
-        "grcn": GOALS_AT_ONCE,
+        "grcn": {**GOALS_AT_ONCE, **setting.patient},
         "msrcn": {
             "aflows": [GOAL],
             "areas": [{"name": "unstable", "frame": "map", "polygon": polygon}],

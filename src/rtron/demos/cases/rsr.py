@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from rtron.demos.cases.case import ALL_PASS, GOALS_AT_ONCE, Case, Decisions, Setting
+from rtron.demos.cases.case import ALL_PASS, GOALS_AT_ONCE, MAX_VEL, Case, Decisions, Setting
 from rtron.demos.measuring.run import COLLISION
 from rtron.demos.measuring.scene import Scene
 from rtron.demos.world.truth import Truth
 
-TOPIC = "/control/max_vel"
+TOPIC = MAX_VEL
 MALICIOUS = 2.0
 CRUISE = 0.22
 """What a TurtleBot3 burger drives, m/s."""

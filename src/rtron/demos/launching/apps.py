@@ -4,6 +4,8 @@ from pathlib import Path
 
 APPS = Path(__file__).parents[1] / "apps"
 LOGIC = APPS / "logic"
+NAME = "tb3_demo"
+"""The app's own name, and that of the developer's own package."""
 _LAUNCH = {1: "tb3_demo.launch", 2: "tb3_demo.launch.xml"}
 
 
@@ -19,4 +21,4 @@ def other_packages(ros: int) -> Path:
 
 def launch_file(ros: int) -> Path:
     """Return the launch file that starts the whole app, unguarded."""
-    return own_packages(ros) / "tb3_demo" / "launch" / _LAUNCH[ros]
+    return own_packages(ros) / NAME / "launch" / _LAUNCH[ros]

@@ -3,7 +3,8 @@
 Decisions are plain data with the words of the plan's file. What they do not mention stays as it
 was proposed.
 
-    {"grcn": {"/cmd_vel": {"policy": "Preemption", "priorities": {"/move_base": 2}},
+    {"app": "tb3_demo, gr",
+     "grcn": {"/cmd_vel": {"policy": "Preemption", "priorities": {"/move_base": 2}},
               "/goal": {"flows": {"/mission": {"timeout": "1 s"}}}},
      "rsrcn": {"policy": "Constrain", "max_vel_limit": "0.22 m/s", "vflows": ["/control/max_vel"]},
      "msrcn": {"aflows": ["/goal"], "areas": […], "rules": […]},
@@ -44,7 +45,7 @@ def decide(plan: Path, out: Path, decisions: Mapping[str, Any]) -> None:
 
 def with_decisions(plan: Mapping[str, Any], decisions: Mapping[str, Any]) -> Part:
     """Return a plan, as its file has it, with the decisions in it."""
-    decided = dict(plan)
+    decided = {**plan, "app": decisions.get("app", plan["app"])}
     chosen = decisions.get("grcn", {})
     for topic in chosen:
         _of_topic(plan, topic)

@@ -1,12 +1,15 @@
 """^C, SIGTERM and a terminal that is closed: each ends the demo in order, none ends the ending."""
 
+import os
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
 _ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_STANDARD_ERROR = 2
+_SAID = "\nending what was started…\n".encode()
 _Handler = Callable[[int, FrameType | None], Any] | int | None
 
 
@@ -14,9 +17,11 @@ _Handler = Callable[[int, FrameType | None], Any] | int | None
 def heard() -> Iterator[None]:
     """Let each raise KeyboardInterrupt within the block, also where a shell had it ignored.
 
+    It is said on standard error, since the end may take a while.
+
     Only a SIGHUP that is ignored stays so: that is what nohup is for.
     """
-    with _handled(signal.default_int_handler):
+    with _handled(_end):
         yield
 
 
@@ -30,6 +35,12 @@ def deferred() -> Iterator[None]:
     finally:
         for number in came[:1]:
             signal.raise_signal(number)
+
+
+def _end(number: int, frame: FrameType | None) -> None:
+    with suppress(OSError):  # a terminal that is closed
+        os.write(_STANDARD_ERROR, _SAID)  # Python's own stream may be in the midst of a line
+    signal.default_int_handler(number, frame)
 
 
 @contextmanager

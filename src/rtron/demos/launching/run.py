@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import getnode
 
-from rtron.demos.launching.apps import other_packages
+from rtron.demos.launching.apps import APPS, other_packages
 from rtron.demos.launching.domains import free_port, own_domain
 from rtron.demos.launching.environ import ros1_environ, ros2_environ, shared_environ
 from rtron.demos.launching.launched import App, launched, wait_until_joined
@@ -75,7 +75,7 @@ class Begun:
         command = [self.python, "-m", "rtron", *words]
         shown = {**self.environ, "FORCE_COLOR": "1"}
         done = self.processes.finish(command, shown, codes, name=str(words[0]))
-        typed = " ".join(word.name if isinstance(word, Path) else word for word in words)
+        typed = " ".join(map(_typed, words))
         return Finished(f"rtron {typed}", done.code, done.text)
 
     def launched(
@@ -128,6 +128,13 @@ def begun(ros: int, folder: Path, *, speed: float = 1.0) -> Iterator[Begun]:
         )
         begun.arm("none", 0)
         yield begun
+
+
+def _typed(word: str | Path) -> str:
+    """Return a word of a command as one would type it beside the demo's packages."""
+    if isinstance(word, str):
+        return word
+    return str(word.relative_to(APPS)) if word.is_relative_to(APPS) else word.name
 
 
 def _named(folder: Path, speed: float) -> dict[str, str]:

@@ -71,11 +71,8 @@ def attack(entries: Sequence[Entry], is_malicious: Recognise) -> Attack:
 def mitigated_after(attack: Attack, stopped: float | None) -> float | None:
     """Return the wall s from an attack's first message to the verdict that stopped one first.
 
-    0.0 if none was delivered and no verdict tells when (`stopped` is None); None without an
-    attack, or where it was not stopped.
+    None without an attack, or where no verdict tells when (`stopped` is None).
     """
-    if attack.began is None:
+    if attack.began is None or stopped is None:
         return None
-    if stopped is not None:
-        return max(0.0, stopped - attack.began)
-    return None if attack.delivered else 0.0
+    return max(0.0, stopped - attack.began)

@@ -12,7 +12,9 @@ from rtron.demos.world.truth import Truth
 
 COLLISION = "collision"
 _PLAIN = ("case", "ros", "seed", "speed", "outcome", "completed", "harm", "collided", "ended")
-_MEASURED = ("time_to_goal", "harmed_at", "sent", "delivered", "attack_span", "mitigated_after")
+_MEASURED = ("time_to_goal", "harmed_at", "sent", "delivered", "attack_span")
+_MITIGATED = ("mitigation", "mitigated_after")
+STOPPED, NOTHING, NEVER = "stopped", "nothing arrived", "never"
 
 
 class Variant(str, Enum):
@@ -32,7 +34,8 @@ class Run:
 
     `harm` says what harm came first, "" for none; `harmed_at` is when, `ended` when the run was
     over, `time_to_goal` when the goal was reached (simulated s since the start, None: never).
-    `mitigated_after` is in wall s; `deviation` is from the way of the unattacked run.
+    `mitigated_after` is in wall s, None where no verdict tells it; `deviation` is from the way of
+    the unattacked run.
     `publishers` names who speaks, by topic and flow of the guard.
     """
 
@@ -93,6 +96,18 @@ class Run:
         return len(self.attack.delivered)
 
     @property
+    def mitigation(self) -> str:
+        """What became of the attack: STOPPED, NOTHING, NEVER, or "" if none was made.
+
+        NOTHING (arrived) is where no verdict tells when one was stopped.
+        """
+        if not self.sent:
+            return ""
+        if self.mitigated_after is not None:
+            return STOPPED
+        return NEVER if self.delivered else NOTHING
+
+    @property
     def attack_span(self) -> tuple[float, float] | None:
         """When the first and the last malicious message was sent, simulated s since the start."""
         if not self.attack.sent:
@@ -102,7 +117,7 @@ class Run:
 
     def as_json(self, *, whole: bool = False) -> dict[str, Any]:
         """Return the run as plain JSON, its samples only if it is to be `whole`."""
-        found = {name: getattr(self, name) for name in (*_PLAIN, *_MEASURED)}
+        found = {name: getattr(self, name) for name in (*_PLAIN, *_MEASURED, *_MITIGATED)}
         found["variant"] = self.variant.value
         found["deviation"] = asdict(self.deviation) if self.deviation else None
         return found | ({"samples": [each.as_json() for each in self.samples]} if whole else {})

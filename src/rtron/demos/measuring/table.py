@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from rtron.demos.measuring.run import Run, Variant
+from rtron.demos.measuring.run import NEVER, NOTHING, Run, Variant
 
 Column = Sequence[Run]
 """The runs of one variant, in any number of worlds."""
@@ -58,12 +58,12 @@ def _sent(column: Column) -> str:
 
 
 def _mitigated(column: Column) -> str:
-    if not any(run.attacked for run in column):
-        return _NONE
+    found = {run.mitigation for run in column}
+    if NEVER in found or "" in found:
+        return NEVER if NEVER in found else _NONE
     times = [run.mitigated_after for run in column if run.mitigated_after is not None]
-    if len(times) < len(column):
-        return "never"
-    return f"{max(times) * 1000:.1f} ms"
+    told = [f"{max(times) * 1000:.1f} ms"] if times else []
+    return ", ".join(told + [NOTHING] * (NOTHING in found))
 
 
 def _deviation(column: Column) -> str:

@@ -12,7 +12,10 @@ from rtron.demos.running.study import Study
 from rtron.demos.running.wanted import Tell, Wanted
 
 Finish = Callable[[Study, Service | None], None]
-"""Takes what was found, while the service still runs; it is None where no guard was wanted."""
+"""Takes what was found, while the service and the last guarded app still run.
+
+The service is None where no guard was wanted.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,9 +46,8 @@ def demonstrate(wish: Wish, work: Path, tell: Tell, finish: Finish) -> None:
         if not wish.guard:
             finish(study, None)
             return
-        environ = dict(surroundings.environ)
-        with served(surroundings.processes, work / "service", environ) as service:
-            study.guarded(service)
+        service_of = served(surroundings.processes, work / "service", dict(surroundings.environ))
+        with service_of as service, study.guarding(service):
             finish(study, service)
 
 

@@ -1,7 +1,6 @@
 """What a demonstration leaves behind: pictures, figures as JSON, plans, and a report."""
 
 import json
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,12 +16,9 @@ from rtron.demos.figures.velocity import velocity
 from rtron.demos.launching.processes import Finished
 from rtron.demos.measuring.run import Variant
 from rtron.demos.running.demonstration import Wish
+from rtron.demos.running.folder import REPORT, RESULTS, SCHEMA, clear, keep
 from rtron.demos.running.study import Study
 
-SCHEMA = "rtron.demo/1"
-RESULTS = "results.json"
-REPORT = "report.html"
-_KEPT = ("graph.json", "proposed.yaml", "log")
 _INDENT = 1
 
 
@@ -45,7 +41,11 @@ def document(wish: Wish, study: Study, *, whole: bool = False) -> dict[str, Any]
 
 
 def write_results(out: Path, wish: Wish, study: Study) -> list[str]:
-    """Write everything into the folder `out`; return the names of the files, the report first."""
+    """Write everything into the folder `out` in place of earlier results.
+
+    Returns the names of the files, the report first.
+    """
+    clear(out)
     pictures = {case.name: list(_pictures(out, wish, case, study)) for case in wish.cases}
     parts = [
         (_findings(wish, case, study), [picture for _, picture in pictures[case.name]])
@@ -55,7 +55,7 @@ def write_results(out: Path, wish: Wish, study: Study) -> list[str]:
     found = json.dumps(document(wish, study, whole=True), indent=_INDENT)
     (out / RESULTS).write_text(found + "\n", encoding="utf-8")
     plans = list(_plans(out, wish, study))
-    _keep(study.pipeline.folder, out)
+    keep(study.pipeline.folder, out)
     shown = [name for each in pictures.values() for name, _ in each]
     return [REPORT, RESULTS, *shown, *plans]
 
@@ -108,12 +108,3 @@ def _plans(out: Path, wish: Wish, study: Study) -> Iterator[str]:
             name = f"{case.name}-rtron.yaml"
             (out / name).write_text(study.plans[case.name], encoding="utf-8")
             yield name
-
-
-def _keep(work: Path, out: Path) -> None:
-    """Copy what is of use later from the folder of work."""
-    for path in (work / name for name in _KEPT if (work / name).exists()):
-        if path.is_dir():
-            shutil.copytree(path, out / path.name, dirs_exist_ok=True)
-        else:
-            shutil.copy(path, out / path.name)

@@ -1,26 +1,27 @@
 """The variants of cases in worlds: the app as it is, and the guarded app."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from pathlib import Path
 
 from rtron.demos.cases import Case, Decisions, Setting
-from rtron.demos.launching.apps import launch_file
+from rtron.demos.launching.apps import NAME, launch_file
 from rtron.demos.launching.pipeline import Pipeline
 from rtron.demos.launching.processes import Finished
 from rtron.demos.launching.run import Begun
 from rtron.demos.launching.service import Service
 from rtron.demos.measuring.deviation import deviation
-from rtron.demos.measuring.journal import mitigated_after
 from rtron.demos.measuring.run import Run, Runs, Variant
 from rtron.demos.measuring.scene import Scene, way
-from rtron.demos.measuring.verdicts import SECOND, Event, stopped_at
+from rtron.demos.measuring.verdicts import SECOND, Event
+from rtron.demos.running.judged import with_verdicts
 from rtron.demos.running.session import Session
 from rtron.demos.running.wanted import Tell, Wanted
-from rtron.planning.read import read_plan
 from rtron.risks import discover
 from rtron.sources.graph_json import GraphFile
-from rtron.vocabulary import Risk, streams
+from rtron.vocabulary import Risk
 
 _COUNTED = 3 * SECOND // 2
 """So long (ns) after a run the guard has told its counts, which it does once a second."""
@@ -42,6 +43,7 @@ class Study:
         self.plans: dict[str, str] = {}
         self._scans: list[Finished] = []
         self._guarding: dict[str, Sequence[Finished]] = {}
+        self._running = ExitStack()
         self._begun = begun
         self._wanted = wanted
         self._tell = tell
@@ -79,12 +81,21 @@ class Study:
     def guarded(self, service: Service | None = None) -> None:
         """Run the guarded app: each case in each world, attacked. To be called after `unguarded`.
 
-        With a service the guard's decisions are recorded, and become part of the runs.
+        With a service the guard's decisions are recorded, and become part of the runs; it gets the
+        app's graph, too.
         """
-        for case in self._wanted.cases:
-            for decisions, seeds in self._by_decisions(case):
-                self.decisions.setdefault(case.name, decisions)
-                self._guarded(case, decisions, seeds, service)
+        with self.guarding(service):
+            pass
+
+    @contextmanager
+    def guarding(self, service: Service | None = None) -> Iterator[None]:
+        """Do what `guarded` does; the last guarded app runs on until the end of the block."""
+        with self._running:
+            for case in self._wanted.cases:
+                for decisions, seeds in self._by_decisions(case):
+                    self.decisions.setdefault(case.name, decisions)
+                    self._guarded(case, decisions, seeds, service)
+            yield
 
     def _by_decisions(self, case: Case) -> Iterator[tuple[Decisions, Sequence[int]]]:
         """Yield decisions and the seeds of the worlds that they are for."""
@@ -101,39 +112,40 @@ class Study:
     def _guarded(
         self, case: Case, decisions: Decisions, seeds: Sequence[int], service: Service | None
     ) -> None:
+        self._running.close()
+        launch = self._instrumented(case, decisions)
+        began = time.time_ns()
+        session = self._launched(launch, service.environ() if service else None)
+        runs = [self._run(session, case, seed, Variant.GUARDED) for seed in seeds]
+        events: Sequence[Event] = ()
+        if service:
+            events = service.recorded.events(began, time.time_ns() + _COUNTED)
+            service.upload(self.pipeline.graph)
+        for run in runs:
+            self._keep(with_verdicts(run, case, events, self.pipeline.plan))
+
+    def _instrumented(self, case: Case, decisions: Decisions) -> Path:
+        """Return the launch file of an app that is guarded against a case."""
         self._tell.now("rtron plan, check, instrument: what should stand in between?")
         before = len(self.pipeline.said)
-        launch = self.pipeline.guard(decisions)
+        launch = self.pipeline.guard({"app": f"{NAME}, {case.name}", **decisions})
         self._guarding.setdefault(case.name, self.pipeline.said[before:])
         self.plans.setdefault(case.name, self.pipeline.plan.read_text(encoding="utf-8"))
-        began = time.time_ns()
+        return launch
+
+    def _launched(self, launch: Path, more: Mapping[str, str] | None) -> Session:
+        """Start a guarded app, which runs until the next one does."""
         self._tell.now("starting the guarded app")
-        more = service.environ() if service else None
-        with self._begun.launched(launch, more, self.pipeline.plan) as app:
-            session = Session(self._begun, app, self._wanted.camera_rate)
-            session.wait_until_connected()
-            runs = [self._run(session, case, seed, Variant.GUARDED) for seed in seeds]
-            events = service.recorded.events(began, time.time_ns() + _COUNTED) if service else ()
-        for run in runs:
-            self._keep(self._with_verdicts(run, case, events))
+        app = self._begun.launched(launch, more, self.pipeline.plan)
+        session = Session(self._begun, self._running.enter_context(app), self._wanted.camera_rate)
+        session.wait_until_connected()
+        return session
 
     def _run(self, session: Session, case: Case, seed: int, variant: Variant) -> Run:
         self._tell.now(f"{case.name}, world {seed}: {variant}")
         scene, run = session.run(case, seed, variant)
         self.scenes[case.name, seed] = scene
         return run
-
-    def _with_verdicts(self, run: Run, case: Case, events: Sequence[Event]) -> Run:
-        """Return a guarded run with what the guard told in its time, a second more for counts."""
-        ended = run.began_wall + run.ended / run.speed + 1
-        own = tuple(e for e in events if run.began_wall <= e["at"] / SECOND <= ended)
-        stopped = stopped_at(own, case.topic, case.attacker)
-        after = mitigated_after(run.attack, stopped)
-        return replace(run, events=own, mitigated_after=after, publishers=self._publishers())
-
-    def _publishers(self) -> dict[tuple[str, str], str]:
-        found = streams(read_plan(self.pipeline.plan))
-        return {(each.topic, flow.name): flow.publisher for each in found for flow in each.flows}
 
     def _keep(self, run: Run) -> None:
         """Keep a run with how far it is from the unattacked one, which came before it."""
