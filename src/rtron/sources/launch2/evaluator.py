@@ -4,24 +4,23 @@ import os.path
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import is_there
 from rtron.sources.launch.unresolvable import MissingArgumentError, UnresolvableError
+from rtron.sources.launch.yaml_text import YamlTree
 from rtron.sources.launch2.bounds import Bounds, TooMuchError
 from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.element import Element
-from rtron.sources.launch2.place import Place
+from rtron.sources.launch2.functions import Function, closed, said, truth
+from rtron.sources.launch2.pieces import hole, shown
+from rtron.sources.launch2.place import Place, evidence_of
 from rtron.sources.launch2.scope import Scope, Source
-from rtron.sources.launch2.substitution import (
-    Function,
-    Substitution,
-    environment,
-    truth,
-    variable,
-)
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.sources.launch2.substitution import Substitution, environment, variable
+from rtron.sources.launch2.view import View
+from rtron.vocabulary import Unresolved
 from rtron.vocabulary.remap_rules import UNKNOWN, Rule
 
 
@@ -29,15 +28,19 @@ from rtron.vocabulary.remap_rules import UNKNOWN, Rule
 class Evaluator:
     """Evaluates what stands in elements, and notes what has no value before the launch runs.
 
-    `touched` are the arguments and variables that decided what was evaluated last.
+    `touched` are the arguments and variables that decided what was evaluated last. Where it is
+    `symbolic`, a text keeps what is known of it: the rest are holes (`pieces`), each noted once.
     """
 
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
     choices: Choices
+    symbolic: bool = False
+    made: dict[str, YamlTree] = field(default_factory=dict)
     bounds: Bounds = field(default_factory=Bounds)
     unresolved: list[Unresolved] = field(default_factory=list)
     touched: set[Source] = field(default_factory=set)
+    _noted: set[Unresolved] = field(default_factory=set)
 
     def text(self, element: Element, key: str, scope: Scope, place: Place) -> str | None:
         """Return an attribute's value as `value` does; it decides what starts, or a name."""
@@ -55,7 +58,7 @@ class Evaluator:
         if written is None:
             return None
         with self.noting(element, place):
-            return self._substitution(scope, place).replace(written)
+            return self.substitution(element, scope, place).replace(written)
         return None
 
     def condition(
@@ -95,10 +98,14 @@ class Evaluator:
 
     def note(self, element: Element, place: Place, why: str) -> None:
         """Note what cannot be read of an element."""
-        named = element.attributes.get("file") or element.attributes.get("cmd") or ""
-        own = Evidence(file=place.path, line=element.line)
-        what = f"{element.tag} {named[:80]}".strip()
-        self.unresolved.append(Unresolved(what=what, why=why, evidence=(own,)))
+        keys = ("file", "cmd", "name") if self.symbolic else ("file", "cmd")
+        text = next(filter(None, map(element.plain, keys)), "")
+        own = evidence_of(element, place)
+        what = f"{element.tag} {shown(text)[:80]}".strip()
+        noted = Unresolved(what=what, why=shown(why), evidence=(own,))
+        if not self.symbolic or noted not in self._noted:
+            self._noted.add(noted)
+            self.unresolved.append(noted)
 
     @contextmanager
     def noting(self, element: Element, place: Place) -> Iterator[None]:
@@ -110,13 +117,37 @@ class Evaluator:
         except (UnresolvableError, InputError) as error:
             self.note(element, place, str(error))
         except MissingArgumentError as error:
-            if place.depth == 0 and element.tag != "include":
+            if place.depth == 0 and element.tag != "include" and not self.symbolic:
                 raise
             self.note(element, place, str(error))
         except (ValueError, LookupError) as error:
-            raise InputError(str(error), path=place.path, line=element.line) from None
+            if not self.symbolic:
+                raise InputError(str(error), path=place.path, line=element.line) from None
+            self.note(element, place, f"launch would refuse it: {error}")
 
-    def _substitution(self, scope: Scope, place: Place) -> Substitution:
+    def substitution(self, element: Element, scope: Scope, place: Place) -> Substitution:
+        """Return what replaces substitutions in an element's texts."""
+        functions = self._functions(scope, place)
+        if not self.symbolic:
+            return Substitution(functions)
+
+        def failed(what: str, error: Exception) -> str:
+            known = "not known whole" in str(error)
+            self.note(element, place, str(error)) if not known else None
+            return hole(what)
+
+        found = Substitution(functions, failed)
+        note = partial(self.note, element, place)
+        found.view = View(perform=found.replace, scope=scope, note=note, made=self.made)
+        return found
+
+    def view(self, element: Element, scope: Scope, place: Place) -> View:
+        """Return what a function of a Python launch file sees of the launch."""
+        note = partial(self.note, element, place)
+        replace = self.substitution(element, scope, place).replace
+        return View(perform=replace, scope=scope, note=note, made=self.made)
+
+    def _functions(self, scope: Scope, place: Place) -> Mapping[str, Function]:
         folder = os.path.dirname(place.path)  # noqa: PTH120 - a string in a string out
 
         def looked_up(function: Function, words: list[str], *, environment: bool = False) -> str:
@@ -127,20 +158,29 @@ class Evaluator:
             return function(words)
 
         value, variable_value = variable(scope.configurations), environment(scope.environ)
-        return Substitution(
-            {
-                "var": lambda words: looked_up(value, words),
-                "env": lambda words: looked_up(variable_value, words, environment=True),
-                "dirname": lambda _: folder,
-                "filename": lambda _: place.path,
-                "anon": lambda words: f"{words[0]}_{UNKNOWN}",
-                "find-pkg-share": self._share,
-                "find-pkg-prefix": self._prefix,
-            }
-        )
+        return {
+            "var": lambda words: looked_up(value, words),
+            "env": lambda words: looked_up(variable_value, words, environment=True),
+            "optenv": lambda words: looked_up(variable_value, [*words, ""][:2], environment=True),
+            "dirname": lambda _: folder,
+            "filename": lambda _: place.path,
+            "anon": lambda words: f"{words[0]}_{UNKNOWN}",
+            "config-equals": lambda words: said(
+                scope.configurations.get(words[0]) == closed("".join(words[1:]))
+            ),
+            "find-pkg-share": self._share,
+            "find-pkg-prefix": self._prefix,
+            "exec-in-pkg": lambda words: f"{self._prefix(words[1:])}/lib/{words[1]}/{words[0]}",
+            "find-exec": lambda words: words[0],
+            "node-name": lambda words: scope.full_name(*words),
+            "command": self._command,
+        }
+
+    def _command(self, words: list[str]) -> str:
+        raise UnresolvableError(f"$(command {shown(words[0])[:80]}) is not run")
 
     def _share(self, words: list[str]) -> str:
-        name = "".join(words[:1])
+        name = closed("".join(words[:1]))
         if name in self.packages:
             return str(self.packages[name])
         for prefix in filter(None, self.environ.get("AMENT_PREFIX_PATH", "").split(":")):
@@ -150,4 +190,6 @@ class Evaluator:
         raise UnresolvableError(f"package '{name}' is not here")
 
     def _prefix(self, words: list[str]) -> str:
+        if self.symbolic and "".join(words[:1]) in self.packages:
+            raise UnresolvableError(f"where '{words[0]}' is installed is not known before a build")
         return str(Path(self._share(words)).parents[1])

@@ -1,0 +1,146 @@
+"""Reads a Python launch file: its AST is interpreted until it has described the launch."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.calling import dispatch
+from rtron.sources.code.interpreter.expressions import EVALUATORS
+from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.machine import Machine, StepsExceededError, ThrownError
+from rtron.sources.code.interpreter.python_world import PythonWorld
+from rtron.sources.code.interpreter.recorder import Recorder
+from rtron.sources.code.interpreter.statements import EXECUTORS, branch
+from rtron.sources.code.interpreter.values import (
+    NONE,
+    Hole,
+    Instance,
+    ListValue,
+    MapValue,
+    ModuleValue,
+    Value,
+    truth,
+)
+from rtron.sources.code.ir import If
+from rtron.sources.code.natives.launch_calls import LAUNCH_CALLS, launch_context
+from rtron.sources.code.natives.python_builtins import BUILTINS
+from rtron.sources.code.natives.python_environment import environment
+from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, constants
+from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.declaration import NodeSite
+from rtron.sources.launch2.element import Element
+from rtron.sources.launch2.python.actions import Actions
+from rtron.sources.launch2.python.functions import Functions
+from rtron.sources.launch2.python.nav2 import FILES
+from rtron.sources.launch2.python.texts import Texts, value_of
+from rtron.sources.launch2.view import View
+from rtron.vocabulary import Evidence, Unresolved
+
+_DESCRIBES = ("generate_launch_description", "generate_test_description")
+_NATIVES: Mapping[str, Value] = {**PYTHON_LIBRARY, **LAUNCH_CALLS}
+
+
+@dataclass(frozen=True, slots=True)
+class PythonFront:
+    """Reads the Python launch files of a workspace; what cannot be read goes to `notes`."""
+
+    files: WorkspaceFiles
+    environ: Mapping[str, str]
+    notes: list[Unresolved]
+
+    def read(self, path: str) -> Element:
+        """Return what a file describes; nothing where it describes nothing."""
+        return _File(path, self).root()
+
+
+@dataclass(frozen=True, slots=True)
+class _Launch:
+    """The launch as a function of the file sees it."""
+
+    texts: Texts
+    view: View
+
+    def perform(self, value: Value) -> Value:
+        return value_of(self.view.perform(self.texts.pieces(value)))
+
+
+@dataclass(slots=True)
+class _File:
+    path: str
+    front: PythonFront
+    machine: Machine = field(init=False)
+    texts: Texts = field(init=False)
+
+    def root(self) -> Element:
+        site = NodeSite(name="/launch", environ=tuple(self.front.environ.items()))
+        files = self.front.files
+        world = PythonWorld(files=files, natives=_NATIVES, builtins=BUILTINS)
+        executors = {**EXECUTORS, If: _if}
+        self.machine = Machine(
+            world=world, recorder=Recorder(site), evaluators=dict(EVALUATORS), executors=executors
+        )
+        world.machine = self.machine
+        world.natives = {**world.natives, **constants(self.machine)}
+        self.texts = Texts(self.machine, self._context, FILES)
+        described = self._described(world)
+        actions = Actions(self.texts, Functions(self.texts, self._called))
+        return Element("launch", {}, actions.elements(described))
+
+    def _described(self, world: PythonWorld) -> Value:
+        module = ModuleValue("launch")
+        with self._noting():
+            module = world.run(Path(self.path), "launch_file")
+        for function in filter(None, map(module.fields.get, _DESCRIBES)):
+            found = self._called(function, Arguments(frame=Frame(file=self.path)))
+            return found.items[0] if _is_pair(found) else found
+        self._note("it has no function generate_launch_description")
+        return NONE
+
+    def _called(self, function: Value, arguments: Arguments) -> Value:
+        with self._noting():
+            return dispatch(self.machine, function, arguments)
+        return NONE
+
+    def _context(self, view: View) -> Instance:
+        known = {name: value_of(text) for name, text in view.scope.configurations.items()}
+        unknown = {one.name: Hole(one.name) for one in view.scope.unknown if not one.environment}
+        seen = environment(self.machine.recorder.site)
+        return launch_context(_Launch(self.texts, view), MapValue({**known, **unknown}), seen)
+
+    @contextmanager
+    def _noting(self) -> Iterator[None]:
+        """Note what ends the program early, and what it leaves open."""
+        try:
+            yield
+        except StepsExceededError:
+            self._note("too large to be run whole")
+        except ThrownError as error:
+            self._note(f"{error.name} ends it before all of it is run")
+        except RecursionError:
+            self._note("nested too deep")
+        finally:
+            found = self.machine.recorder.result().unresolved
+            self.front.notes.extend(note for note in found if note not in self.front.notes)
+
+    def _note(self, why: str) -> None:
+        place = Evidence(file=self.path)
+        self.front.notes.append(Unresolved(what=Path(self.path).name, why=why, evidence=(place,)))
+
+
+def _is_pair(value: Value) -> bool:
+    """Tell whether a description comes with a test's context."""
+    return isinstance(value, ListValue) and value.kind == "tuple" and bool(value.items)
+
+
+def _if(machine: Machine, node: If, frame: Frame) -> str | None:
+    """Run an `if`; where it is not decided both sides are read, and that is noted."""
+    decided = truth(machine.evaluate(node.test, frame))
+    if decided is None:
+        place = Evidence(file=frame.file, line=node.line)
+        machine.recorder.unresolved("if", "its condition is not known, both sides are read", place)
+        return branch(machine, frame, (node.body, node.orelse))
+    return machine.execute(node.body if decided else node.orelse, frame)
+
+
