@@ -7,11 +7,13 @@ from rtron.errors import InputError
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.evaluator import Evaluator
+from rtron.sources.launch2.installed import Installed
 from rtron.sources.launch2.python.front import PythonFront
 from rtron.sources.launch2.reader import Reader, absolute
 from rtron.sources.launch2.result import AppLaunch
 from rtron.sources.launch2.scope import Scope
 from rtron.sources.launch2.starts import Starts
+from rtron.sources.launch2.yaml_files import YamlFiles
 from rtron.vocabulary import Evidence, Unresolved
 
 
@@ -28,8 +30,14 @@ def read_app_launch(
     """
     packages = files.workspace.packages
     choices = Choices(arguments=arguments, environ=environ)
-    evaluator = Evaluator(environ=environ, packages=packages, choices=choices, symbolic=True)
-    front = PythonFront(files, environ, evaluator.unresolved)
+    evaluator = Evaluator(
+        environ=environ,
+        packages=packages,
+        choices=choices,
+        symbolic=True,
+        files=YamlFiles(Installed(files.workspace)),
+    )
+    front = PythonFront(files, evaluator)
     starts = Starts(evaluator, front.read)
     try:
         Reader(evaluator, starts).root(absolute(path), Scope(dict(arguments), dict(environ)))

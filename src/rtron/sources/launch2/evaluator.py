@@ -10,16 +10,16 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.folders import is_there
 from rtron.sources.launch.unresolvable import MissingArgumentError, UnresolvableError
-from rtron.sources.launch.yaml_text import YamlTree
 from rtron.sources.launch2.bounds import Bounds, TooMuchError
 from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.element import Element
-from rtron.sources.launch2.functions import Function, closed, said, truth
+from rtron.sources.launch2.functions import Function, OpenError, closed, said, truth
 from rtron.sources.launch2.pieces import hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
 from rtron.sources.launch2.scope import Scope, Source
 from rtron.sources.launch2.substitution import Substitution, environment, variable
 from rtron.sources.launch2.view import View
+from rtron.sources.launch2.yaml_files import YamlFiles
 from rtron.vocabulary import Unresolved
 from rtron.vocabulary.remap_rules import UNKNOWN, Rule
 
@@ -36,11 +36,12 @@ class Evaluator:
     packages: Mapping[str, Path]
     choices: Choices
     symbolic: bool = False
-    made: dict[str, YamlTree] = field(default_factory=dict)
+    files: YamlFiles = field(default_factory=YamlFiles)
     bounds: Bounds = field(default_factory=Bounds)
     unresolved: list[Unresolved] = field(default_factory=list)
     touched: set[Source] = field(default_factory=set)
     _noted: set[Unresolved] = field(default_factory=set)
+    _missing: set[str] = field(default_factory=set)
 
     def text(self, element: Element, key: str, scope: Scope, place: Place) -> str | None:
         """Return an attribute's value as `value` does; it decides what starts, or a name."""
@@ -114,6 +115,9 @@ class Evaluator:
             yield
         except TooMuchError:
             raise
+        except OpenError as error:
+            if not self.symbolic:
+                self.note(element, place, str(error))
         except (UnresolvableError, InputError) as error:
             self.note(element, place, str(error))
         except MissingArgumentError as error:
@@ -132,20 +136,32 @@ class Evaluator:
             return Substitution(functions)
 
         def failed(what: str, error: Exception) -> str:
-            known = "not known whole" in str(error)
-            self.note(element, place, str(error)) if not known else None
+            self._note_failed(element, place, error)
             return hole(what)
 
         found = Substitution(functions, failed)
         note = partial(self.note, element, place)
-        found.view = View(perform=found.replace, scope=scope, note=note, made=self.made)
+        found.view = View(perform=found.replace, scope=scope, note=note, files=self.files)
         return found
+
+    def note_missing(self, element: Element, place: Place, name: str) -> None:
+        """Note that an argument is not given, once."""
+        if name not in self._missing:
+            self.note(element, place, f"argument '{name}' is not given")
+        self._missing.add(name)
+
+    def _note_failed(self, element: Element, place: Place, error: Exception) -> None:
+        """Note why a call has no value, unless that follows from what is noted already."""
+        if isinstance(error, MissingArgumentError):
+            self.note_missing(element, place, error.name)
+        elif not isinstance(error, OpenError):
+            self.note(element, place, str(error))
 
     def view(self, element: Element, scope: Scope, place: Place) -> View:
         """Return what a function of a Python launch file sees of the launch."""
         note = partial(self.note, element, place)
         replace = self.substitution(element, scope, place).replace
-        return View(perform=replace, scope=scope, note=note, made=self.made)
+        return View(perform=replace, scope=scope, note=note, files=self.files)
 
     def _functions(self, scope: Scope, place: Place) -> Mapping[str, Function]:
         folder = os.path.dirname(place.path)  # noqa: PTH120 - a string in a string out

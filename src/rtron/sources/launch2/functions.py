@@ -15,6 +15,10 @@ _TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
 _YES = _TRUE | {"yes", "on"}
 
 
+class OpenError(UnresolvableError):
+    """A text is needed whole of which a part is not known: why is noted where that part stands."""
+
+
 def truth(text: str) -> bool:
     """Return what a condition says; raise ValueError where launch would refuse it."""
     word = closed(text).strip().lower()
@@ -24,9 +28,9 @@ def truth(text: str) -> bool:
 
 
 def closed(text: str) -> str:
-    """Return a text that is known whole; raise UnresolvableError for another."""
+    """Return a text that is known whole; raise OpenError for another."""
     if has_hole(text):
-        raise UnresolvableError(f"'{shown(text)[:80]}' is not known whole")
+        raise OpenError(f"'{shown(text)[:80]}' is not known whole")
     return text
 
 

@@ -7,7 +7,7 @@ from rtron.errors import InputError
 from rtron.sources.launch.yaml_text import YamlLeaf, YamlTree
 from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.evaluator import Evaluator
-from rtron.sources.launch2.parameter_file import entries_of, quoted, read_tree, yaml_value
+from rtron.sources.launch2.parameter_file import entries_of, quoted, yaml_value
 from rtron.sources.launch2.parameters import ALL, ParameterSource
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
@@ -89,14 +89,16 @@ class Given:
         return yaml_value(quoted(text) if plain else text)
 
     def _file(self, element: Element, key: str) -> Iterator[ParameterSource]:
-        """Yield what a parameter file says; one that cannot be read is noted."""
+        """Yield what a parameter file says; one that cannot be read is noted.
+
+        One whose name is not known has no entries, and a hole in its name.
+        """
         path = self._text(element, key)
         if has_hole(path):
-            self.evaluator.note(element, self.place, f"parameter file {shown(path)} is not known")
+            yield ParameterSource(entries=(), file=path)
             return
         with self.evaluator.noting(element, self.place):
-            tree = self.evaluator.made.get(path)
-            tree = read_tree(path) if tree is None else tree
+            tree = self.evaluator.files.read(path)
             if self._text(element, "allow_substs").lower() in _YES:
                 tree = self._replaced(tree, element)
             yield ParameterSource(entries=entries_of(tree, path), file=path)

@@ -72,7 +72,9 @@ class GuardedNodes:
         yield
 
     @contextmanager
-    def under(self, _: Element, __: Place, ___: bool | None) -> Iterator[None]:  # noqa: FBT001
+    def under(
+        self, _: Element, __: Scope, ___: Place, ____: bool | None  # noqa: FBT001
+    ) -> Iterator[None]:
         """Read an action under its condition."""
         yield
 

@@ -43,6 +43,12 @@ def has_hole(text: str) -> bool:
     return _OPEN in text
 
 
+def first_hole(text: str) -> str:
+    """Return what the first hole of a text says; empty where it has none."""
+    found = _HOLE.search(text)
+    return found[1] if found else ""
+
+
 def shown(text: str) -> str:
     """Return a text with each hole in braces."""
     return _HOLE.sub(r"{\1}", text).replace(_OPEN, "").replace(_CLOSE, "")

@@ -134,13 +134,15 @@ class Reader:
             return
         before, doubtful = scope.mark(), scope.doubtful
         scope.doubtful = doubtful or (said is None and not setting)
-        with self._nodes.under(element, place, said):
-            self._action(element, scope, place)
+        with self._nodes.under(element, scope, place, said):
+            self._action(element, scope, place, said)
         scope.doubtful = doubtful
         if starting and scope.depend(why, before):
             self._evaluator.choices.decide(why)
 
-    def _action(self, element: Element, scope: Scope, place: Place) -> None:
+    def _action(
+        self, element: Element, scope: Scope, place: Place, said: bool | None  # noqa: FBT001
+    ) -> None:
         tag = element.tag
         if tag in _TIMERS:
             self._timer(element, scope, place)
@@ -158,7 +160,7 @@ class Reader:
             view = self._evaluator.view(element, scope, place)
             self._actions(element.run(view), scope, place)
         elif tag in SETTINGS:
-            Settings(self._evaluator).apply(element, scope, place)
+            Settings(self._evaluator).apply(element, scope, place, said)
             self._nodes.declared(element, scope, place)
         elif tag in SHARED:
             self._nodes.share(element, scope, place)
@@ -193,7 +195,7 @@ class Reader:
         if spelled is None or has_hole(spelled):
             self._nodes.not_included(element, spelled, place)
             return
-        path = absolute(spelled)
+        path = self._evaluator.files.installed(absolute(spelled))
         level = self._evaluator.bounds.level
         with self._evaluator.noting(element, place), self._nodes.within(element, path, scope, place):
             included = self._file(path, scope, place.depth + 1)

@@ -28,7 +28,7 @@ class Start:
     the node `container` loads. `remaps` are in order: the first that fits a name counts, `shared`
     of them are not the node's own. `arguments` are the words of a command line, for a process
     the whole of it. `conditions` are the conditions that it stands under, `doubtful` says that one of
-    them is not known. `chain` has the including files' includes, outermost first.
+    them is not known. `complete` says that every parameter file is known. `chain` has the including files' includes, outermost first.
     """
 
     kind: StartKind
@@ -39,6 +39,7 @@ class Start:
     remaps: tuple[Rule, ...] = ()
     shared: int = 0
     sources: tuple[ParameterSource, ...] = ()
+    complete: bool = True
     arguments: tuple[str, ...] = ()
     environ: tuple[tuple[str, str], ...] = ()
     container: str = ""
@@ -55,8 +56,16 @@ class Start:
         return f"{self.namespace.rstrip('/')}/{self.name or UNKNOWN}"
 
     def parameters(self, *, by_order: bool = False) -> dict[str, Parameter]:
-        """Return the parameters that it is given, as `given_parameters` merges them."""
-        return given_parameters(self.sources, self.full_name, by_order=by_order)
+        """Return the parameters that it is given, as `given_parameters` merges them.
+
+        For a component launch_ros takes them together itself, source after source.
+        """
+        if self.kind is not StartKind.COMPONENT:
+            return given_parameters(self.sources, self.full_name, by_order=by_order)
+        found: dict[str, Parameter] = {}
+        for source in self.sources:
+            found.update(given_parameters([source], self.full_name))
+        return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -49,8 +49,18 @@ class Settings:
 
     evaluator: Evaluator
 
-    def apply(self, element: Element, scope: Scope, place: Place) -> None:
-        """Apply an action of SETTINGS."""
+    def apply(
+        self, element: Element, scope: Scope, place: Place, said: bool | None  # noqa: FBT001
+    ) -> None:
+        """Apply an action of SETTINGS; `said` is what its condition says, None if not known."""
+        before = dict(scope.configurations), dict(scope.environ)
+        self._apply(element, scope, place)
+        if said is None and self.evaluator.symbolic:
+            for values, old in zip((scope.configurations, scope.environ), before, strict=True):
+                changed = [name for name in values if values[name] != old.get(name)]
+                values.update({name: hole(name) for name in changed})
+
+    def _apply(self, element: Element, scope: Scope, place: Place) -> None:
         tag = element.tag
         if tag == "arg":
             self._argument(element, scope, place)
@@ -124,5 +134,5 @@ class Settings:
         """Take an argument that nobody gave for a hole, if holes may be."""
         if not self.evaluator.symbolic:
             raise MissingArgumentError(source.name)
-        self.evaluator.note(element, place, f"argument '{source.name}' is not given")
+        self.evaluator.note_missing(element, place, source.name)
         scope.put(source, hole(source.name), {source})

@@ -12,7 +12,7 @@ from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.given import Given
 from rtron.sources.launch2.place import Place, evidence_of
-from rtron.sources.launch2.pieces import shown
+from rtron.sources.launch2.pieces import first_hole, has_hole, shown
 from rtron.sources.launch2.result import Argument, Included, Start, StartKind
 from rtron.sources.launch2.scope import Scope, canonical
 from rtron.sources.launch2.words import (
@@ -77,7 +77,7 @@ class Starts:
             said, _ = self.evaluator.condition(component, scope, place)
             if said is not False:
                 doubtful, scope.doubtful = scope.doubtful, scope.doubtful or said is None
-                with self.under(component, place, said):
+                with self.under(component, scope, place, said):
                     start = self._started(component, scope, place, StartKind.COMPONENT)
                     extra = Given(self.evaluator, scope, place).extra(component)
                     self.starts.append(replace(start, container=container, extra=extra))
@@ -136,7 +136,7 @@ class Starts:
 
     @contextmanager
     def under(
-        self, element: Element, place: Place, said: bool | None  # noqa: FBT001 - what it says
+        self, element: Element, scope: Scope, place: Place, said: bool | None  # noqa: FBT001
     ) -> Iterator[None]:
         """Read an action under its condition; one that is not known is noted."""
         if not {"if", "unless"} & element.attributes.keys():
@@ -144,8 +144,9 @@ class Starts:
             return
         own = evidence_of(element, place)
         if said is None:
-            why = "whether it counts is not known, it is read as if it did"
-            self.evaluator.note(element, place, why)
+            texts = [self._value(element, key, scope, place) for key in ("if", "unless")]
+            why = f"whether it counts is not known ({first_hole(''.join(texts)) or 'refused'})"
+            self.evaluator.note(element, place, f"{why}, it is read as if it did")
         with self._within(
             replace(self._around, conditions=(*self._around.conditions, own))
         ):
@@ -198,8 +199,8 @@ class Starts:
             doubtful=scope.doubtful,
             **self._surroundings(element, place),
         )
-        sources = (*parameters_in(words), *(scope.parameters or ()))
-        return replace(start, sources=(*sources, *given.own(element, start)))
+        sources = (*parameters_in(words), *(scope.parameters or ()), *given.own(element, start))
+        return replace(start, sources=sources, complete=not any(has_hole(s.file) for s in sources))
 
     def _name(
         self, element: Element, words: Sequence[str], scope: Scope, place: Place

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from rtron.sources.launch.unresolvable import MissingArgumentError, UnresolvableError
 from rtron.sources.launch2.functions import PURE, Function, given
-from rtron.sources.launch2.pieces import Call, Deferred, Pieces, Written
+from rtron.sources.launch2.pieces import Call, Deferred, Pieces, Written, first_hole
 
 MAX_TEXT = 16_384
 _MAX_DEPTH = 24
@@ -103,14 +103,19 @@ class Substitution:
         try:
             return self._called(piece.name, arguments)
         except (UnresolvableError, MissingArgumentError, ValueError, LookupError) as error:
-            what = f"{piece.name} {' '.join(arguments)}" if piece.name != "var" else arguments[0]
-            return self.failed(what.strip(), error)
+            return self.failed(_called(piece.name, arguments), error)
 
     def _called(self, name: str, arguments: list[str]) -> str:
         function = self.functions.get(name) or PURE.get(name)
         if function is None:
             raise UnresolvableError(f"$({name} …) is not evaluated")
         return function(arguments)
+
+
+def _called(name: str, arguments: list[str]) -> str:
+    """Return what a call is called that has no value: after what is not known in it, if possible."""
+    text = " ".join(arguments)
+    return first_hole(text) or (arguments[0] if name == "var" else f"{name} {text}".strip())
 
 
 def variable(configurations: Mapping[str, str]) -> Function:

@@ -3,22 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rtron.sources.launch.yaml_text import YamlTree
 from rtron.sources.launch2.pieces import Written
 from rtron.sources.launch2.scope import Scope
+from rtron.sources.launch2.yaml_files import YamlFiles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class View:
-    """A launch at one place: `perform` evaluates a text there, `made` are files made on the way."""
+    """A launch at one place: `perform` evaluates a text there, `files` are what it reads and makes."""
 
     perform: Callable[[Written], str]
     scope: Scope
     note: Callable[[str], None]
-    made: dict[str, YamlTree]
-
-    def make(self, source: str, tree: YamlTree) -> str:
-        """Keep a YAML file that exists only while the launch runs; return what it is called."""
-        path = f"{source}#{len(self.made) + 1}"
-        self.made[path] = tree
-        return path
+    files: YamlFiles

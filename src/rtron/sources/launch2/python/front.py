@@ -20,6 +20,7 @@ from rtron.sources.code.interpreter.values import (
     ListValue,
     MapValue,
     ModuleValue,
+    Native,
     Value,
     truth,
 )
@@ -31,10 +32,13 @@ from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, constants
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch2.element import Element
+from rtron.sources.launch2.evaluator import Evaluator
+from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.python.actions import Actions
 from rtron.sources.launch2.python.functions import Functions
 from rtron.sources.launch2.python.nav2 import FILES
 from rtron.sources.launch2.python.texts import Texts, value_of
+from rtron.sources.launch2.scope import Scope
 from rtron.sources.launch2.view import View
 from rtron.vocabulary import Evidence, Unresolved
 
@@ -44,11 +48,15 @@ _NATIVES: Mapping[str, Value] = {**PYTHON_LIBRARY, **LAUNCH_CALLS}
 
 @dataclass(frozen=True, slots=True)
 class PythonFront:
-    """Reads the Python launch files of a workspace; what cannot be read goes to `notes`."""
+    """Reads the Python launch files of a workspace; what cannot be read is noted."""
 
     files: WorkspaceFiles
-    environ: Mapping[str, str]
-    notes: list[Unresolved]
+    evaluator: Evaluator
+
+    @property
+    def notes(self) -> list[Unresolved]:
+        """The notes of the launch."""
+        return self.evaluator.unresolved
 
     def read(self, path: str) -> Element:
         """Return what a file describes; nothing where it describes nothing."""
@@ -74,7 +82,7 @@ class _File:
     texts: Texts = field(init=False)
 
     def root(self) -> Element:
-        site = NodeSite(name="/launch", environ=tuple(self.front.environ.items()))
+        site = NodeSite(name="/launch", environ=tuple(self.front.evaluator.environ.items()))
         files = self.front.files
         world = PythonWorld(files=files, natives=_NATIVES, builtins=BUILTINS)
         executors = {**EXECUTORS, If: _if}
@@ -82,11 +90,22 @@ class _File:
             world=world, recorder=Recorder(site), evaluators=dict(EVALUATORS), executors=executors
         )
         world.machine = self.machine
-        world.natives = {**world.natives, **constants(self.machine)}
+        world.natives = {**world.natives, **constants(self.machine), **self._contexts()}
         self.texts = Texts(self.machine, self._context, FILES)
         described = self._described(world)
         actions = Actions(self.texts, Functions(self.texts, self._called))
         return Element("launch", {}, actions.elements(described))
+
+    def _contexts(self) -> dict[str, Value]:
+        """Return the class of contexts: one that a file makes itself knows nothing of the launch."""
+
+        def make(_: Machine, __: object, arguments: Arguments) -> Value:
+            element = Element("launch_context", {}, line=arguments.line)
+            scope = Scope(environ=dict(self.front.evaluator.environ))
+            return self._context(self.front.evaluator.view(element, scope, Place(self.path, 0)))
+
+        native = Native("LaunchContext", make)
+        return dict.fromkeys(("launch.LaunchContext", "launch.launch_context.LaunchContext"), native)
 
     def _described(self, world: PythonWorld) -> Value:
         module = ModuleValue("launch")

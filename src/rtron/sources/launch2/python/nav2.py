@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from rtron.errors import InputError
 from rtron.sources.code.interpreter.values import NONE, MapValue, Value, truth
 from rtron.sources.launch.yaml_text import YamlDocument
-from rtron.sources.launch2.parameter_file import read_text, read_tree, tree_of
+from rtron.sources.launch2.parameter_file import read_text, tree_of
 from rtron.sources.launch2.pieces import has_hole, hole, shown
 from rtron.sources.launch2.python.texts import Fields, Run, Texts, plain_text
 from rtron.sources.launch2.rewriting import Rewriting
@@ -26,7 +26,7 @@ def _rewritten(texts: Texts, fields: Fields) -> Run:
             root=shown(view.perform(texts.pieces(fields.get("root_key")))),
             numbers=truth(fields.get("convert_types", NONE)) is True,
         )
-        return view.make(path, rewriting.apply(tree))
+        return view.files.make(path, rewriting.apply(tree))
 
     return run
 
@@ -42,7 +42,7 @@ def _replaced(texts: Texts, fields: Fields) -> Run:
             text = read_text(path)
             for old, new in replacements.items():
                 text = text.replace(old, new)
-            return view.make(path, tree_of(text, path))
+            return view.files.make(path, tree_of(text, path))
         except InputError as error:
             view.note(f"{shown(path)}: {error}")
             return hole(f"replaced {shown(path)}")
@@ -68,10 +68,8 @@ def _has_parameters(texts: Texts, fields: Fields) -> Run:
 
 def _tree(texts: Texts, fields: Fields, view: View) -> tuple[str, YamlDocument]:
     path = view.perform(texts.pieces(fields.get("source_file")))
-    if path in view.made:
-        return path, view.made[path]
     try:
-        return path, None if has_hole(path) else read_tree(path)
+        return path, None if has_hole(path) else view.files.read(path)
     except InputError as error:
         view.note(str(error))
         return path, None
