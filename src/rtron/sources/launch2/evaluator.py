@@ -17,7 +17,7 @@ from rtron.sources.launch2.functions import Function, OpenError, closed, said, t
 from rtron.sources.launch2.pieces import hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
 from rtron.sources.launch2.scope import Scope, Source
-from rtron.sources.launch2.substitution import Substitution, environment, variable
+from rtron.sources.launch2.substitution import MAX_LONG, Substitution, environment, variable
 from rtron.sources.launch2.view import View
 from rtron.sources.launch2.yaml_files import YamlFiles
 from rtron.vocabulary import Unresolved
@@ -139,7 +139,7 @@ class Evaluator:
             self._note_failed(element, place, error)
             return hole(what)
 
-        found = Substitution(functions, failed)
+        found = Substitution(functions, failed, most=MAX_LONG)
         note = partial(self.note, element, place)
         found.view = View(perform=found.replace, scope=scope, note=note, files=self.files)
         return found

@@ -5,9 +5,9 @@ import os.path
 from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
-from rtron.sources.launch.expression import evaluate
 from rtron.sources.launch.unresolvable import UnresolvableError
 from rtron.sources.launch2.pieces import has_hole, shown
+from rtron.sources.launch2.python_expression import python_expression
 
 Function: TypeAlias = Callable[[list[str]], str]
 
@@ -46,12 +46,8 @@ def said(value: bool) -> str:  # noqa: FBT001 - what launch writes for it
     return str(value).lower()
 
 
-def _no_argument(name: str) -> str:
-    raise KeyError(name)
-
-
 def _eval(arguments: list[str]) -> str:
-    return evaluate(closed(given(arguments, 1, 2)[0]), {}, _no_argument)
+    return python_expression(closed(given(arguments, 1, 2)[0]))
 
 
 def _equal(arguments: list[str]) -> bool:

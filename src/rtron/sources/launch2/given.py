@@ -43,9 +43,7 @@ class Given:
         """Return what an action gives to all nodes."""
         if element.tag == "set_parameters_from_file":
             found = next(self._file(element, "filename"), None)
-            return found and ParameterSource(
-                entries=found.entries, file=found.file, shared=True
-            )
+            return found and ParameterSource(entries=found.entries, file=found.file, shared=True)
         name = self._text(element, "name") or _USE_SIM_TIME
         entries = ((ALL, {shown(name): self._parameter(element)}),)
         return ParameterSource(entries=entries, shared=True)
@@ -122,5 +120,3 @@ class Given:
 
     def _text(self, element: Element, key: str) -> str:
         return self.evaluator.value(element, key, self.scope, self.place) or ""
-
-

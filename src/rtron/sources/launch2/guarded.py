@@ -73,7 +73,11 @@ class GuardedNodes:
 
     @contextmanager
     def under(
-        self, _: Element, __: Scope, ___: Place, ____: bool | None  # noqa: FBT001
+        self,
+        _: Element,
+        __: Scope,
+        ___: Place,
+        ____: bool | None,  # noqa: FBT001
     ) -> Iterator[None]:
         """Read an action under its condition."""
         yield

@@ -42,9 +42,7 @@ def entries_of(tree: YamlTree, path: str) -> Entries:
     return tuple(_entries(tree, "", path))
 
 
-def _entries(
-    tree: YamlTree, space: str, path: str
-) -> Iterator[tuple[str, dict[str, Parameter]]]:
+def _entries(tree: YamlTree, space: str, path: str) -> Iterator[tuple[str, dict[str, Parameter]]]:
     for key, inner in tree.items() if isinstance(tree, dict) else ():
         if key == _KEY:
             yield space or "/", dict(flat(inner, "", path))

@@ -141,7 +141,11 @@ class Reader:
             self._evaluator.choices.decide(why)
 
     def _action(
-        self, element: Element, scope: Scope, place: Place, said: bool | None  # noqa: FBT001
+        self,
+        element: Element,
+        scope: Scope,
+        place: Place,
+        said: bool | None,  # noqa: FBT001
     ) -> None:
         tag = element.tag
         if tag in _TIMERS:
@@ -197,7 +201,10 @@ class Reader:
             return
         path = self._evaluator.files.installed(absolute(spelled))
         level = self._evaluator.bounds.level
-        with self._evaluator.noting(element, place), self._nodes.within(element, path, scope, place):
+        with (
+            self._evaluator.noting(element, place),
+            self._nodes.within(element, path, scope, place),
+        ):
             included = self._file(path, scope, place.depth + 1)
             place.includes.append((element, spelled, included))
         self._evaluator.bounds.level = level

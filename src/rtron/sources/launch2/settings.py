@@ -16,6 +16,7 @@ PUSHES = frozenset({"push_ros_namespace", "push-ros-namespace"})
 SETTINGS = PUSHES | {
     "arg",
     "let",
+    "unset",
     "set_remap",
     "reset",
     "set_env",
@@ -50,7 +51,11 @@ class Settings:
     evaluator: Evaluator
 
     def apply(
-        self, element: Element, scope: Scope, place: Place, said: bool | None  # noqa: FBT001
+        self,
+        element: Element,
+        scope: Scope,
+        place: Place,
+        said: bool | None,  # noqa: FBT001
     ) -> None:
         """Apply an action of SETTINGS; `said` is what its condition says, None if not known."""
         before = dict(scope.configurations), dict(scope.environ)
@@ -77,6 +82,9 @@ class Settings:
             scope.clear()
             for item in kept:
                 scope.put(*item)
+        elif tag == "unset":
+            name = self.evaluator.text(element, "name", scope, place)
+            scope.configurations.pop(name or "", None)
         elif tag == "reset_env":
             scope.renew(self.evaluator.environ)
         else:
@@ -109,9 +117,7 @@ class Settings:
             longer = self._appended(element, scope, name, value)
             scope.put(variable, longer, touched | scope.behind(variable))
 
-    def _appended(
-        self, element: Element, scope: Scope, name: str, value: str | None
-    ) -> str | None:
+    def _appended(self, element: Element, scope: Scope, name: str, value: str | None) -> str | None:
         """Return what `append_env` makes of a variable, where that is asked for."""
         if not self.evaluator.symbolic or value is None:
             return None

@@ -35,6 +35,7 @@ _KINDS = {
     "node_container": StartKind.CONTAINER,
 }
 
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
     """What surrounds an action: the conditions it stands under, its event, the includes."""
@@ -86,6 +87,7 @@ class Starts:
     def executable(self, element: Element, scope: Scope, place: Place) -> None:
         """Take a process; `ros2 run` starts a node."""
         words = self._words(element, "cmd", scope, place)
+        words = tuple(split_words(words[0])) if len(words) == 1 else words
         given = Given(self.evaluator, scope, place)
         found = Start(
             kind=StartKind.PROCESS,
@@ -136,7 +138,11 @@ class Starts:
 
     @contextmanager
     def under(
-        self, element: Element, scope: Scope, place: Place, said: bool | None  # noqa: FBT001
+        self,
+        element: Element,
+        scope: Scope,
+        place: Place,
+        said: bool | None,  # noqa: FBT001
     ) -> Iterator[None]:
         """Read an action under its condition; one that is not known is noted."""
         if not {"if", "unless"} & element.attributes.keys():
@@ -147,15 +153,11 @@ class Starts:
             texts = [self._value(element, key, scope, place) for key in ("if", "unless")]
             why = f"whether it counts is not known ({first_hole(''.join(texts)) or 'refused'})"
             self.evaluator.note(element, place, f"{why}, it is read as if it did")
-        with self._within(
-            replace(self._around, conditions=(*self._around.conditions, own))
-        ):
+        with self._within(replace(self._around, conditions=(*self._around.conditions, own))):
             yield
 
     @contextmanager
-    def within(
-        self, element: Element, path: str, scope: Scope, place: Place
-    ) -> Iterator[None]:
+    def within(self, element: Element, path: str, scope: Scope, place: Place) -> Iterator[None]:
         """Read an included file."""
         own = evidence_of(element, place)
         self.includes.append([])

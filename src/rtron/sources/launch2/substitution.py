@@ -13,6 +13,8 @@ from rtron.sources.launch2.functions import PURE, Function, given
 from rtron.sources.launch2.pieces import Call, Deferred, Pieces, Written, first_hole
 
 MAX_TEXT = 16_384
+MAX_LONG = 65_536
+"""The most for what only the graph asks for: a parameter may be the description of a robot."""
 _MAX_DEPTH = 24
 _NAME = re.compile(r"[A-Za-z][\w-]*")
 
@@ -80,6 +82,7 @@ class Substitution:
     functions: Mapping[str, Function]
     failed: Callable[[str, Exception], str] | None = None
     view: object = None
+    most: int = MAX_TEXT
 
     def replace(self, text: Written) -> str:
         """Return a text with its substitutions replaced.
@@ -87,12 +90,13 @@ class Substitution:
         Raise ValueError if it is malformed, UnresolvableError if it has no value here.
         """
         if isinstance(text, str):
-            text = _Parser(_bounded(text)).fragments("")
+            text = _Parser(self._bounded(text)).fragments("")
         return self.perform(text)
 
     def perform(self, pieces: Pieces) -> str:
         """Return a text that is taken apart already, its substitutions replaced."""
-        return _bounded("".join(p if isinstance(p, str) else self._piece(p) for p in pieces))
+        found = (piece if isinstance(piece, str) else self._piece(piece) for piece in pieces)
+        return self._bounded("".join(found))
 
     def _piece(self, piece: Call | Deferred) -> str:
         if isinstance(piece, Deferred):
@@ -104,6 +108,11 @@ class Substitution:
             return self._called(piece.name, arguments)
         except (UnresolvableError, MissingArgumentError, ValueError, LookupError) as error:
             return self.failed(_called(piece.name, arguments), error)
+
+    def _bounded(self, text: str) -> str:
+        if len(text) > self.most:
+            raise ValueError(f"longer than {self.most} characters")
+        return text
 
     def _called(self, name: str, arguments: list[str]) -> str:
         function = self.functions.get(name) or PURE.get(name)
@@ -143,9 +152,3 @@ def environment(environ: Mapping[str, str]) -> Function:
         return value
 
     return found
-
-
-def _bounded(text: str) -> str:
-    if len(text) > MAX_TEXT:
-        raise ValueError(f"longer than {MAX_TEXT} characters")
-    return text

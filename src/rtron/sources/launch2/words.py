@@ -38,7 +38,9 @@ def special(words: Sequence[str], key: str) -> str:
     return ""
 
 
-def parameters_in(words: Sequence[str], place: Evidence = Evidence(file="")) -> Iterator[ParameterSource]:
+def parameters_in(
+    words: Sequence[str], place: Evidence = Evidence(file="")
+) -> Iterator[ParameterSource]:
     """Yield the parameters among the arguments of a node."""
     for word, value in pairwise(words):
         name, given, text = value.partition(":=")

@@ -256,9 +256,7 @@ def _is_of_library(value: Value) -> bool:
 
 def _placed(element: Element, line: int, file: str) -> Element:
     children = tuple(_placed(child, line, file) for child in element.children)
-    return replace(
-        element, children=children, line=element.line or line, file=element.file or file
-    )
+    return replace(element, children=children, line=element.line or line, file=element.file or file)
 
 
 def _rows(value: Value | None) -> Iterator[tuple[Value, ...]]:
@@ -359,5 +357,6 @@ _BUILDERS: Mapping[str, Callable[[Actions, Fields], Element]] = {
     "SetRemap": _plain("set_remap", **{"from": "src", "to": "dst"}),
     "SetUseSimTime": Actions.shared,
     "TimerAction": Actions.timer,
+    "UnsetLaunchConfiguration": _plain("unset", name="name"),
     "UnsetEnvironmentVariable": _plain("unset_env", name="name"),
 }

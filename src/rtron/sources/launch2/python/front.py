@@ -105,7 +105,9 @@ class _File:
             return self._context(self.front.evaluator.view(element, scope, Place(self.path, 0)))
 
         native = Native("LaunchContext", make)
-        return dict.fromkeys(("launch.LaunchContext", "launch.launch_context.LaunchContext"), native)
+        return dict.fromkeys(
+            ("launch.LaunchContext", "launch.launch_context.LaunchContext"), native
+        )
 
     def _described(self, world: PythonWorld) -> Value:
         module = ModuleValue("launch")
@@ -161,5 +163,3 @@ def _if(machine: Machine, node: If, frame: Frame) -> str | None:
         machine.recorder.unresolved("if", "its condition is not known, both sides are read", place)
         return branch(machine, frame, (node.body, node.orelse))
     return machine.execute(node.body if decided else node.orelse, frame)
-
-

@@ -42,7 +42,9 @@ def _source(texts: Texts, value: Value, line: int, file: str) -> Iterator[Elemen
         yield from entries(texts, value, line, file)
     elif isinstance(value, Instance) and name == "Parameter":
         fields = given(value)
-        yield parameter(texts, texts.pieces(fields.get("name")), fields.get("value", NONE), line, file)
+        yield parameter(
+            texts, texts.pieces(fields.get("name")), fields.get("value", NONE), line, file
+        )
     elif value != NONE:
         attributes: dict[str, Written] = {"from": texts.pieces(value)}
         if isinstance(value, Instance) and name == "ParameterFile":

@@ -28,6 +28,7 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.natives.launch_calls import ALL, call_name, given
 from rtron.sources.code.natives.launch_names import MODULES
 from rtron.sources.launch2.pieces import Call, Deferred, Pieces, hole, parts
+from rtron.sources.launch2.substitution import MAX_LONG
 from rtron.sources.launch2.view import View
 
 Fields: TypeAlias = Mapping[str, Value]
@@ -51,7 +52,8 @@ class Texts:
         if value is None or value == NONE or depth > MAX_DEPTH:
             return ()
         if isinstance(value, Known):
-            return (plain(value.value),)
+            text = plain(value.value)
+            return (text if len(text) < MAX_LONG else hole("a long text"),)
         if isinstance(value, Text):
             return ("".join(p if isinstance(p, str) else hole(p.why) for p in value.parts),)
         if isinstance(value, ListValue):
