@@ -38,7 +38,7 @@ def read_app_launch(
         files=YamlFiles(Installed(files.workspace)),
     )
     front = PythonFront(files, evaluator)
-    starts = Starts(evaluator, front.read)
+    starts = Starts(evaluator, front=front.read)
     try:
         Reader(evaluator, starts).root(absolute(path), Scope(dict(arguments), dict(environ)))
     except InputError as error:

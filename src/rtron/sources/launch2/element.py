@@ -18,8 +18,8 @@ class Element:
     """An action of a launch file, or what belongs to one.
 
     `place` counts the elements of an XML text in document order, the root being 0; in YAML it is
-    where the element's value begins in the text, in characters. `run` is what a function of a Python
-    launch file returns; `file` is empty where the action stands in the launch file itself.
+    where the element's value begins in the text, in characters. `file` is empty where it is that of
+    the launch itself. `run` calls a function of a Python launch file, for the actions it returns.
     """
 
     tag: str

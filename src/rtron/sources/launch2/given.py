@@ -11,7 +11,6 @@ from rtron.sources.launch2.parameter_file import entries_of, quoted, yaml_value
 from rtron.sources.launch2.parameters import ALL, ParameterSource
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
-from rtron.sources.launch2.result import Start, StartKind
 from rtron.sources.launch2.scope import Scope
 from rtron.vocabulary import ParameterValue
 from rtron.vocabulary.parameters import Parameter
@@ -29,10 +28,11 @@ class Given:
     scope: Scope
     place: Place
 
-    def own(self, element: Element, start: Start) -> Iterator[ParameterSource]:
-        """Yield a node's own parameters, file by file and value by value, in order."""
-        named = start.name and start.kind is not StartKind.COMPONENT
-        pattern = start.full_name if named else ALL
+    def own(self, element: Element, pattern: str) -> Iterator[ParameterSource]:
+        """Yield a node's own parameters, file by file and value by value, in order.
+
+        `pattern` is for which nodes the values count that stand in the launch file itself.
+        """
         for param in element.named("param"):
             if "from" in param.attributes:
                 yield from self._file(param, "from")
@@ -48,7 +48,7 @@ class Given:
         entries = ((ALL, {shown(name): self._parameter(element)}),)
         return ParameterSource(entries=entries, shared=True)
 
-    def extra(self, element: Element) -> Mapping[str, Parameter]:
+    def extra_arguments(self, element: Element) -> Mapping[str, Parameter]:
         """Return the extra arguments of a component."""
         found: dict[str, Parameter] = {}
         for argument in element.named("extra_arg"):

@@ -8,7 +8,7 @@ from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.scope import NAMESPACE, Scope, Source
-from rtron.sources.launch2.starts import Setting
+from rtron.sources.launch2.surroundings import Setting
 from rtron.vocabulary import GUARD_NODE, LaunchNode
 from rtron.vocabulary.remap_rules import UNKNOWN, Rule, remaps_at, rules_in
 
@@ -54,13 +54,13 @@ class GuardedNodes:
         self._evaluator.note(element, place, "is not known here; what it starts gets no remaps")
 
     def not_included(self, element: Element, spelled: str | None, place: Place) -> None:
-        """An inclusion whose file has no value here is noted already."""
+        """Leave an inclusion whose file has no value here: that is noted already."""
 
     def share(self, element: Element, scope: Scope, place: Place) -> None:
-        """Parameters change no name."""
+        """Leave parameters, which change no name."""
 
     def declared(self, element: Element, scope: Scope, place: Place) -> None:
-        """Arguments are told by the choices."""
+        """Leave arguments to the choices."""
 
     def setting(self, _: Element) -> Setting:
         """Return what surrounds an action, which is not asked for here."""

@@ -21,6 +21,7 @@ Entries: TypeAlias = tuple[tuple[str, Mapping[str, Parameter]], ...]
 class ParameterSource:
     """A file, or what stands in the launch file itself (`file` is empty then).
 
+    A file that launch writes on the way is named after the one it is made of, and a number: `a#1`.
     `shared` says that it is of `set_parameter` or `set_parameters_from_file`.
     """
 

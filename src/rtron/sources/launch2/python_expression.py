@@ -68,7 +68,7 @@ class _Walk(Walk):
     def _named(self, name: str) -> Value:
         return self._names[name] if name in self._names else self._outer(name)
 
-    def _unknown(self, node: ast.expr) -> Function:
+    def _unknown(self, node: ast.expr) -> Value:
         if isinstance(node, ast.Set):
             return {self.value(item) for item in node.elts}
         if isinstance(node, (ast.ListComp, ast.GeneratorExp)):

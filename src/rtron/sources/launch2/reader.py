@@ -6,7 +6,7 @@ launch file, which stands in the tree without nodes. `app.read_app_launch` looks
 """
 
 import os.path
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from math import inf
@@ -23,7 +23,8 @@ from rtron.sources.launch2.pieces import has_hole
 from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.scope import Scope
 from rtron.sources.launch2.settings import HARMLESS, SETTINGS, Settings
-from rtron.sources.launch2.starts import SHARED, Setting, Starts
+from rtron.sources.launch2.starts import SHARED, Starts
+from rtron.sources.launch2.surroundings import Setting
 from rtron.vocabulary import LaunchTree
 
 _NODES = frozenset({"node", "lifecycle_node", "node_container"})
@@ -145,31 +146,31 @@ class Reader:
         element: Element,
         scope: Scope,
         place: Place,
-        said: bool | None,  # noqa: FBT001
+        said: bool | None,  # noqa: FBT001 - what its condition says
     ) -> None:
-        tag = element.tag
-        if tag in _TIMERS:
-            self._timer(element, scope, place)
-        elif tag in _NODES:
-            self._nodes.node(element, scope, place)
-        elif tag == "load_composable_node":
-            self._nodes.components(element, scope, place)
-        elif tag == "group":
-            self._group(element, scope, place)
-        elif tag == "include":
-            self._include(element, scope, place)
-        elif tag == "executable":
-            self._nodes.executable(element, scope, place)
+        read = self._readers.get(element.tag)
+        if read is not None:
+            read(element, scope, place)
         elif element.run is not None:
             view = self._evaluator.view(element, scope, place)
             self._actions(element.run(view), scope, place)
-        elif tag in SETTINGS:
+        elif element.tag in SETTINGS:
             Settings(self._evaluator).apply(element, scope, place, said)
             self._nodes.declared(element, scope, place)
-        elif tag in SHARED:
-            self._nodes.share(element, scope, place)
-        elif tag not in HARMLESS:
+        elif element.tag not in HARMLESS:
             self._nodes.unknown(element, place)
+
+    @property
+    def _readers(self) -> Mapping[str, Callable[[Element, Scope, Place], None]]:
+        return {
+            **dict.fromkeys(_TIMERS, self._timer),
+            **dict.fromkeys(_NODES, self._nodes.node),
+            **dict.fromkeys(SHARED, self._nodes.share),
+            "load_composable_node": self._nodes.components,
+            "executable": self._nodes.executable,
+            "group": self._group,
+            "include": self._include,
+        }
 
     def _timer(self, element: Element, scope: Scope, place: Place) -> None:
         try:

@@ -27,8 +27,9 @@ class Start:
     not known of a text stands in braces. `program` is an executable, or a component's class, which
     the node `container` loads. `remaps` are in order: the first that fits a name counts, `shared`
     of them are not the node's own. `arguments` are the words of a command line, for a process
-    the whole of it. `conditions` are the conditions that it stands under, `doubtful` says that one of
-    them is not known. `complete` says that every parameter file is known. `chain` has the including files' includes, outermost first.
+    the whole of it. `complete` says that every parameter file is known, `extra` are a component's
+    extra arguments. `conditions` are those that it stands under, `doubtful` says that one of them
+    is not known. `event` is what it waits for. `chain` has the includes around, outermost first.
     """
 
     kind: StartKind

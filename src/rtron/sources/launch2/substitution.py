@@ -122,7 +122,7 @@ class Substitution:
 
 
 def _called(name: str, arguments: list[str]) -> str:
-    """Return what a call is called that has no value: after what is not known in it, if possible."""
+    """Return what to call what has no value: as what is not known in it, where there is any."""
     text = " ".join(arguments)
     return first_hole(text) or (arguments[0] if name == "var" else f"{name} {text}".strip())
 

@@ -10,7 +10,7 @@ from rtron.sources.launch2.yaml_files import YamlFiles
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class View:
-    """A launch at one place: `perform` evaluates a text there, `files` are what it reads and makes."""
+    """A launch at one place: `perform` evaluates texts, `files` are what it reads and makes."""
 
     perform: Callable[[Written], str]
     scope: Scope

@@ -14,6 +14,7 @@ from rtron.vocabulary.parameters import Parameter
 from rtron.vocabulary.remap_rules import Rule, rules_in
 
 RUN = ("ros2", "run")
+_HERE = Evidence(file="")
 _REMAP, _PARAMETER = frozenset({"-r", "--remap"}), frozenset({"-p", "--param"})
 
 
@@ -38,9 +39,7 @@ def special(words: Sequence[str], key: str) -> str:
     return ""
 
 
-def parameters_in(
-    words: Sequence[str], place: Evidence = Evidence(file="")
-) -> Iterator[ParameterSource]:
+def parameters_in(words: Sequence[str], place: Evidence = _HERE) -> Iterator[ParameterSource]:
     """Yield the parameters among the arguments of a node."""
     for word, value in pairwise(words):
         name, given, text = value.partition(":=")

@@ -90,9 +90,7 @@ def _body(tag: str, value: yaml.Node, path: str) -> YamlBody:
     return YamlBody(
         tag=tag,
         attributes={
-            str(key.value): text
-            for key, inner in entries
-            if (text := _text(inner)) is not None
+            str(key.value): text for key, inner in entries if (text := _text(inner)) is not None
         },
         children=tuple(children),
         place=value.start_mark.index,

@@ -123,7 +123,7 @@ LAUNCH_CONTEXT = NativeClass(
 
 def launch_context(launch: Performs, configurations: MapValue, environ: Value) -> Instance:
     """Return what a function of a launch file gets as its context."""
-    fields = {
+    fields: dict[str, Value] = {
         CONTEXT: Known(launch),
         "launch_configurations": configurations,
         "environment": environ,

@@ -103,7 +103,7 @@ def _is_there(_: Machine, owner: Known, __: Arguments) -> Value:
 
 
 def _there(path: Value) -> Value:
-    """What is not there may well be made by a build, or at run time."""
+    """Return whether a path is there; what is not may be made by a build, or at run time."""
     if not isinstance(path, Known):
         return Hole("exists")
     try:

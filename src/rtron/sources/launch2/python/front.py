@@ -1,6 +1,6 @@
 """Reads a Python launch file: its AST is interpreted until it has described the launch."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,6 +35,7 @@ from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.python.actions import Actions
+from rtron.sources.launch2.python.builders import BUILDERS
 from rtron.sources.launch2.python.functions import Functions
 from rtron.sources.launch2.python.nav2 import FILES
 from rtron.sources.launch2.python.texts import Texts, value_of
@@ -85,7 +86,7 @@ class _File:
         site = NodeSite(name="/launch", environ=tuple(self.front.evaluator.environ.items()))
         files = self.front.files
         world = PythonWorld(files=files, natives=_NATIVES, builtins=BUILTINS)
-        executors = {**EXECUTORS, If: _if}
+        executors: dict[type, Callable[..., str | None]] = {**EXECUTORS, If: _if}
         self.machine = Machine(
             world=world, recorder=Recorder(site), evaluators=dict(EVALUATORS), executors=executors
         )
@@ -93,11 +94,11 @@ class _File:
         world.natives = {**world.natives, **constants(self.machine), **self._contexts()}
         self.texts = Texts(self.machine, self._context, FILES)
         described = self._described(world)
-        actions = Actions(self.texts, Functions(self.texts, self._called))
+        actions = Actions(self.texts, Functions(self.texts, self._called), BUILDERS)
         return Element("launch", {}, actions.elements(described))
 
     def _contexts(self) -> dict[str, Value]:
-        """Return the class of contexts: one that a file makes itself knows nothing of the launch."""
+        """Return the class of contexts; one that a file makes knows nothing of the launch."""
 
         def make(_: Machine, __: object, arguments: Arguments) -> Value:
             element = Element("launch_context", {}, line=arguments.line)
@@ -113,9 +114,8 @@ class _File:
         module = ModuleValue("launch")
         with self._noting():
             module = world.run(Path(self.path), "launch_file")
-        for function in filter(None, map(module.fields.get, _DESCRIBES)):
-            found = self._called(function, Arguments(frame=Frame(file=self.path)))
-            return found.items[0] if _is_pair(found) else found
+        for function in (module.fields[name] for name in _DESCRIBES if name in module.fields):
+            return _first(self._called(function, Arguments(frame=Frame(file=self.path))))
         self._note("it has no function generate_launch_description")
         return NONE
 
@@ -150,9 +150,11 @@ class _File:
         self.front.notes.append(Unresolved(what=Path(self.path).name, why=why, evidence=(place,)))
 
 
-def _is_pair(value: Value) -> bool:
-    """Tell whether a description comes with a test's context."""
-    return isinstance(value, ListValue) and value.kind == "tuple" and bool(value.items)
+def _first(value: Value) -> Value:
+    """Return a description without the test's context that may come with it."""
+    if isinstance(value, ListValue) and value.kind == "tuple" and value.items:
+        return value.items[0]
+    return value
 
 
 def _if(machine: Machine, node: If, frame: Frame) -> str | None:

@@ -8,10 +8,12 @@ from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.values import (
     NONE,
+    FunctionValue,
     Hole,
     Instance,
     Known,
     MapValue,
+    Native,
     Value,
 )
 from rtron.sources.code.natives.names import value_of
@@ -34,6 +36,10 @@ class Functions:
 
     texts: Texts
     guarded: Callable[[Value, Arguments], Value]
+
+    def is_function(self, value: Value) -> bool:
+        """Tell whether a value is a function, not an action or a list of them."""
+        return isinstance(value, (FunctionValue, Native))
 
     def called(self, fields: Fields, make: Make, *, event: bool) -> Called:
         """Return what calls `function(context, *args, **kwargs)`, or `function(event, context)`."""
@@ -60,7 +66,7 @@ class Functions:
 
         return run
 
-    def _made(  # noqa: PLR0913, PLR0917 - what a call is
+    def _made(
         self,
         fields: Fields,
         args: tuple[Value, ...],

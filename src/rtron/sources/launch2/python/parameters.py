@@ -25,26 +25,24 @@ from rtron.sources.launch2.python.texts import Texts
 MAX_DEPTH = 24
 
 
-def parameters(texts: Texts, value: Value | None, line: int, file: str) -> Iterator[Element]:
+def parameters(texts: Texts, value: Value | None) -> Iterator[Element]:
     """Yield an element for each parameter, or file of them, in a list of both."""
     items, certain = items_of(value) if value is not None else ((), True)
     for item in items:
         for option in options(item):
-            yield from _source(texts, option, line, file)
+            yield from _source(texts, option)
     if not certain:
         more: dict[str, Written] = {"from": (hole("more parameters"),)}
-        yield Element("param", more, line=line, file=file)
+        yield Element("param", more)
 
 
-def _source(texts: Texts, value: Value, line: int, file: str) -> Iterator[Element]:
+def _source(texts: Texts, value: Value) -> Iterator[Element]:
     name = call_name(value)
     if isinstance(value, MapValue):
-        yield from entries(texts, value, line, file)
+        yield from entries(texts, value)
     elif isinstance(value, Instance) and name == "Parameter":
         fields = given(value)
-        yield parameter(
-            texts, texts.pieces(fields.get("name")), fields.get("value", NONE), line, file
-        )
+        yield parameter(texts, texts.pieces(fields.get("name")), fields.get("value", NONE))
     elif value != NONE:
         attributes: dict[str, Written] = {"from": texts.pieces(value)}
         if isinstance(value, Instance) and name == "ParameterFile":
@@ -52,28 +50,24 @@ def _source(texts: Texts, value: Value, line: int, file: str) -> Iterator[Elemen
             known = truth(allowed) if not call_name(allowed) else None
             text = (str(bool(known)),) if known is not None else texts.pieces(allowed)
             attributes["allow_substs"] = text
-        yield Element("param", attributes, line=line, file=file)
+        yield Element("param", attributes)
 
 
-def entries(
-    texts: Texts, value: MapValue, line: int, file: str, tag: str = "param", depth: int = 0
-) -> Iterator[Element]:
+def entries(texts: Texts, value: MapValue, tag: str = "param", depth: int = 0) -> Iterator[Element]:
     """Yield an element for each entry of a dict."""
     for key, inner in value.entries.items():
         name: Pieces = (str(key),)
         if isinstance(inner, MapValue) and depth < MAX_DEPTH:
-            below = tuple(entries(texts, inner, line, file, tag, depth + 1))
-            yield Element(tag, {"name": name}, below, line=line, file=file)
+            below = tuple(entries(texts, inner, tag, depth + 1))
+            yield Element(tag, {"name": name}, below)
         elif inner != NONE:
-            yield parameter(texts, name, inner, line, file, tag)
+            yield parameter(texts, name, inner, tag)
 
 
-def parameter(
-    texts: Texts, name: Pieces, value: Value, line: int, file: str, tag: str = "param"
-) -> Element:
+def parameter(texts: Texts, name: Pieces, value: Value, tag: str = "param") -> Element:
     """Return an element for one parameter; what is a text in Python stays one, unless evaluated."""
     attributes, children = _value(texts, value)
-    return Element(tag, {"name": name, **attributes}, children, line=line, file=file)
+    return Element(tag, {"name": name, **attributes}, children)
 
 
 def _value(texts: Texts, value: Value) -> tuple[dict[str, Written], tuple[Element, ...]]:
