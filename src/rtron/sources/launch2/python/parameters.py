@@ -84,9 +84,15 @@ def _value(texts: Texts, value: Value) -> tuple[dict[str, Written], tuple[Elemen
         text = quoted(value.value) if isinstance(value.value, str) else str(value.value)
         return {"value": (text,)}, ()
     if isinstance(value, ListValue) and not _is_one_text(value):
-        items = (_value(texts, item) for item in value.items)
-        return {"value": ("[]",)}, tuple(Element("item", *item) for item in items)
+        return {"value": ("[]",)}, tuple(_item(texts, item) for item in value.items)
     return {"value": texts.pieces(value)}, ()
+
+
+def _item(texts: Texts, value: Value) -> Element:
+    """Return an item of a list; a list in it is one text (launch_ros: normalize_parameters)."""
+    if isinstance(value, ListValue):
+        return Element("item", {"value": texts.pieces(value)})
+    return Element("item", *_value(texts, value))
 
 
 def _is_one_text(value: ListValue) -> bool:
