@@ -23,6 +23,7 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Value,
 )
+from rtron.sources.code.natives.containers import LIST
 from rtron.sources.code.natives.launch_names import CLASSES, MODULES
 from rtron.sources.code.natives.launch_paths import LAUNCH_PATHS, package_share
 
@@ -74,11 +75,9 @@ def _made(name: str, machine: Machine, _: object, arguments: Arguments) -> Value
 
 def _add(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
     """`description.add_action(action)`."""
-    entities = owner.fields[ENTITIES]
-    if isinstance(entities, ListValue):
-        items = (*entities.items, arguments.get(0, "action") or arguments.get(0, "entity") or NONE)
-        machine.trail.set(entities.fields, "items", items)
-    return NONE
+    action = arguments.get(0, "action") or arguments.get(0, "entity") or NONE
+    added = Arguments(values=(action,), frame=arguments.frame)
+    return LIST["append"](machine, owner.fields[ENTITIES], added)
 
 
 def _perform(_: Machine, owner: Value, arguments: Arguments) -> Value:
