@@ -190,7 +190,13 @@ def generate_launch_description():
         ("def generate_launch_description():\n    while True: pass", ""),
         ("import sys\nsys.exit(1)\ndef generate_launch_description(): pass", "ends it before"),
         ("def generate_launch_description(:", "has no function"),
-        ("def generate_launch_description():\n    return LaunchDescription([" + "[" * 90 + "]" * 90 + "])", ""),
+        (
+            "def generate_launch_description():\n    return LaunchDescription(["
+            + "[" * 90
+            + "]" * 90
+            + "])",
+            "",
+        ),
     ],
 )
 def test_a_program_that_describes_nothing(program, text, why):

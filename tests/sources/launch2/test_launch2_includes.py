@@ -57,7 +57,8 @@ def test_an_xml_file_includes_every_format(xml, child, suffix):
 
 
 @pytest.mark.parametrize(
-    "given", ["{'name': 'x'}.items()", "[('name', 'x')]", "[('name', ['', LaunchConfiguration('a')])]"]
+    "given",
+    ["{'name': 'x'}.items()", "[('name', 'x')]", "[('name', ['', LaunchConfiguration('a')])]"],
 )
 def test_what_an_included_file_is_given(python, child, given):
     include = f"IncludeLaunchDescription({SHARE.format('py')}, launch_arguments={given})"
@@ -72,7 +73,9 @@ def test_what_an_included_file_sets_stays_unless_a_group_is_around(python, child
     after = "Node(executable='e', name=[LaunchConfiguration('name', default='none'), '_2'])"
     assert names(python(f"{include}, {after}")) == ["/x", "/x_2"]
     assert names(python(f"GroupAction([{include}]), {after}")) == ["/x", "/none_2"]
-    assert names(python(f"{include}, IncludeLaunchDescription({SHARE.format('xml')})")) == ["/x"] * 2
+    assert (
+        names(python(f"{include}, IncludeLaunchDescription({SHARE.format('xml')})")) == ["/x"] * 2
+    )
 
 
 def test_a_namespace_around_an_included_file(python, child):
@@ -93,7 +96,10 @@ def test_a_file_included_under_a_condition(python, child):
     [
         ("'/nowhere/x.launch.py'", "is no file"),
         ("'/nowhere/x.launch.xml'", "No such file"),
-        ("os.path.join(get_package_share_directory('no'), 'x.py')", "what it includes is not known"),
+        (
+            "os.path.join(get_package_share_directory('no'), 'x.py')",
+            "what it includes is not known",
+        ),
         ("[LaunchConfiguration('dir'), '/x.py']", "argument 'dir' is not given"),
     ],
 )

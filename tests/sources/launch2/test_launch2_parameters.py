@@ -35,9 +35,7 @@ def node(parameters, name="n", space="/ns"):
 def test_a_parameter_file_for_some_nodes(python, file):
     app = python(node(f"'{file}'") + ", " + node(f"'{file}'", "m"))
     ours, theirs = app.starts
-    assert values(ours) == {
-        "all": 1, "both": "own", "own": [1, 2], "deep.er": "x", "nested": True
-    }
+    assert values(ours) == {"all": 1, "both": "own", "own": [1, 2], "deep.er": "x", "nested": True}
     assert values(theirs) == {"all": 1, "both": "all"}
     place = ours.parameters()["own"].evidence
     assert (place.file, place.line) == (str(file), 5)
@@ -101,7 +99,9 @@ def test_a_component_takes_its_sources_one_after_the_other(python, file, package
 )
 def test_the_type_of_a_value(python, written, value):
     declared = {"one": "1", "words": "two words", "list": "[1, 2]", "empty": ""}
-    args = "".join(f"DeclareLaunchArgument('{k}', default_value='{v}')," for k, v in declared.items())
+    args = "".join(
+        f"DeclareLaunchArgument('{k}', default_value='{v}')," for k, v in declared.items()
+    )
     app = python(args + node(f"{{'p': {written}}}"))
     found = values(app.starts[0])["p"]
     assert found == value
@@ -118,7 +118,10 @@ def generate_launch_description():
     return LaunchDescription([Node(executable='e', name='n', parameters=[own])])
 """)
     assert values(app.starts[0]) == {
-        "use_sim_time": True, "plugins.FollowPath.speed": 0.5, "extra": "x", "key": 1
+        "use_sim_time": True,
+        "plugins.FollowPath.speed": 0.5,
+        "extra": "x",
+        "key": 1,
     }
 
 
@@ -137,7 +140,12 @@ def test_parameters_for_all_nodes_come_first(python, file):
     )
     inner, outer = app.starts
     assert values(inner) | {"own": None} == {
-        "a": 2, "all": 1, "both": "own", "own": None, "deep.er": "x", "nested": True,
+        "a": 2,
+        "all": 1,
+        "both": "own",
+        "own": None,
+        "deep.er": "x",
+        "nested": True,
         "use_sim_time": True,
     }
     assert values(outer) == {"b": 1}
@@ -150,7 +158,9 @@ def test_a_list_that_is_there_already_is_shared_with_a_group(python):
 
 
 def test_a_file_with_substitutions_in_it(python, package):
-    (package / "p.yaml").write_text("/**: {ros__parameters: {a: $(var x), b: [$(var x)], c: $(var no)}}")
+    (package / "p.yaml").write_text(
+        "/**: {ros__parameters: {a: $(var x), b: [$(var x)], c: $(var no)}}"
+    )
     given = "DeclareLaunchArgument('x', default_value='7'), "
     text = given + node(f"ParameterFile('{package}/p.yaml', allow_substs=True)")
     assert values(python(text).starts[0]) == {"a": 7, "b": [7], "c": UnknownValue("{no}")}
@@ -197,7 +207,9 @@ def test_replaced_texts_and_what_a_file_has(python, package):
     off = f"ReplaceString('{package}/p.yaml', {{'<x>': 'y'}}, condition=IfCondition('false'))"
     assert values(python(node(off, space="/")).starts[0])["a"] == "<x>"
     has = f"IfCondition(HasNodeParams('{package}/p.yaml', '{{}}'))"
-    app = python(", ".join(f"Node(executable='e', name='{n}', condition={has.format(n)})" for n in "nm"))
+    app = python(
+        ", ".join(f"Node(executable='e', name='{n}', condition={has.format(n)})" for n in "nm")
+    )
     assert [one.name for one in app.starts] == ["n"]
 
 

@@ -38,7 +38,9 @@ def test_a_node_that_names_itself(python):
 
 def test_names_among_the_arguments_count_first(python):
     words = "['--ros-args', '-r', '__node:=other', '-r', '__ns:=/deep', '-r', 'a:=b', '-p', 'k:=3']"
-    [node] = python(f"Node(executable='e', name='n', arguments={words}, remappings=[('c', 'd')])").starts
+    [node] = python(
+        f"Node(executable='e', name='n', arguments={words}, remappings=[('c', 'd')])"
+    ).starts
     assert node.full_name == "/deep/other"
     assert node.remaps == (("a", "b"), ("c", "d"))
     assert node.shared == 1
@@ -46,7 +48,9 @@ def test_names_among_the_arguments_count_first(python):
 
 
 def test_a_pushed_namespace_ends_with_its_group(python):
-    inner = f"PushRosNamespace('a'), {NODE.format('in')}, PushROSNamespace('b'), {NODE.format('deep')}"
+    inner = (
+        f"PushRosNamespace('a'), {NODE.format('in')}, PushROSNamespace('b'), {NODE.format('deep')}"
+    )
     absolute = "Node(executable='e', name='abs', namespace='/x')"
     app = python(f"GroupAction([{inner}, {absolute}]), {NODE.format('out')}")
     assert names(app) == ["/a/in", "/a/b/deep", "/x/abs", "/out"]
@@ -68,9 +72,11 @@ def test_a_group_that_forwards_nothing_but_what_it_is_given(python):
 
 def test_remaps_for_all_nodes_stand_before_their_own(python):
     own = "Node(executable='e', name='n', remappings=[('c', 'd')])"
-    app = python(f"SetRemap(src='a', dst='b'), {own}, ComposableNodeContainer(package='p', "
-                 "executable='e', name='box', namespace='', composable_node_descriptions=["
-                 "ComposableNode(package='p', plugin='P', name='c')])")
+    app = python(
+        f"SetRemap(src='a', dst='b'), {own}, ComposableNodeContainer(package='p', "
+        "executable='e', name='box', namespace='', composable_node_descriptions=["
+        "ComposableNode(package='p', plugin='P', name='c')])"
+    )
     node, container, component = app.starts
     assert (node.remaps, node.shared) == ((("a", "b"), ("c", "d")), 1)
     assert container.remaps == component.remaps == (("a", "b"),)
@@ -87,7 +93,10 @@ def test_remaps_for_all_nodes_stand_before_their_own(python):
         ("LaunchConfigurationEquals('yes', 'no')", False),
         ("LaunchConfigurationNotEquals('yes', 'no')", True),
         ("LaunchConfigurationEquals('other', 'x')", False),
-        ("IfCondition(NotSubstitution(EqualsSubstitution(LaunchConfiguration('yes'), 'true')))", False),
+        (
+            "IfCondition(NotSubstitution(EqualsSubstitution(LaunchConfiguration('yes'), 'true')))",
+            False,
+        ),
     ],
 )
 def test_conditions_that_are_known(python, condition, starts):
@@ -133,14 +142,18 @@ def test_arguments_and_what_they_are_by_default(python):
 
 def test_an_argument_that_must_be_given_stands_in_braces(python):
     declared = "DeclareLaunchArgument('robot')"
-    app = python(f"{declared}, Node(executable='e', name='n', namespace=['fleet/', LaunchConfiguration('robot')])")
+    app = python(
+        f"{declared}, Node(executable='e', name='n', namespace=['fleet/', LaunchConfiguration('robot')])"
+    )
     assert names(app) == ["/fleet/{robot}/n"]
     assert whys(app) == ["argument 'robot' is not given"]
     assert app.arguments[0].default is None
 
 
 def test_containers_and_the_components_loaded_into_them(python):
-    component = "ComposableNode(package='p', plugin='P::{0}', name='{0}', parameters=[{{'k': '{0}'}}], "
+    component = (
+        "ComposableNode(package='p', plugin='P::{0}', name='{0}', parameters=[{{'k': '{0}'}}], "
+    )
     component += "remappings=[('x', 'y')], extra_arguments=[{{'use_intra_process_comms': True}}])"
     app = python(
         "ComposableNodeContainer(package='rclcpp_components', executable='component_container', "
@@ -167,7 +180,8 @@ def generate_launch_description():
         box, LoadComposableNodes(target_container=box, composable_node_descriptions=parts)])
 """)
     assert [(one.full_name, one.container) for one in app.starts] == [
-        ("/ns/box", ""), ("/A", "/ns/box")
+        ("/ns/box", ""),
+        ("/A", "/ns/box"),
     ]
 
 
@@ -180,7 +194,12 @@ def test_lifecycle_nodes_and_processes(python):
     life, process, run = app.starts
     assert life.kind is StartKind.LIFECYCLE_NODE
     assert (process.kind, process.arguments) == (StartKind.PROCESS, ("gz", "sim", "world:=a"))
-    assert (run.kind, run.package, run.program, run.full_name) == (StartKind.NODE, "pkg", "exe", "/n")
+    assert (run.kind, run.package, run.program, run.full_name) == (
+        StartKind.NODE,
+        "pkg",
+        "exe",
+        "/n",
+    )
     assert (run.remaps, values(run)) == ((("a", "b"),), {"k": True})
 
 

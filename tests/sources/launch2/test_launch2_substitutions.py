@@ -17,7 +17,11 @@ DECLARED = {"a": "x", "yes": "true", "no": "0", "n": "3"}
         ("EnvironmentVariable('NO', default_value='d')", "$(env NO d)", "d"),
         ("PathJoinSubstitution(['a', [LaunchConfiguration('a'), 'b'], 'c'])", None, "a/xb/c"),
         ("StringJoinSubstitution([LaunchConfiguration('a'), 'b'], delimiter='-')", None, "x-b"),
-        ("PythonExpression(['\"', LaunchConfiguration('a'), '\" + \"b\"'])", "$(eval '\\'$(var a)\\' + \\'b\\'')", "xb"),
+        (
+            "PythonExpression(['\"', LaunchConfiguration('a'), '\" + \"b\"'])",
+            "$(eval '\\'$(var a)\\' + \\'b\\'')",
+            "xb",
+        ),
         ("PythonExpression('2 + 3')", "$(eval 2+3)", "5"),
         ("IfElseSubstitution(LaunchConfiguration('yes'), 'b', 'c')", "$(if $(var yes) b c)", "b"),
         ("IfElseSubstitution(LaunchConfiguration('no'), 'b', 'c')", "$(if $(var no) b c)", "c"),
@@ -34,7 +38,9 @@ DECLARED = {"a": "x", "yes": "true", "no": "0", "n": "3"}
     ],
 )
 def test_a_substitution_that_has_a_value(python, xml, python_text, xml_text, value):
-    declared = "".join(f"DeclareLaunchArgument('{k}', default_value='{v}'), " for k, v in DECLARED.items())
+    declared = "".join(
+        f"DeclareLaunchArgument('{k}', default_value='{v}'), " for k, v in DECLARED.items()
+    )
     app = python(f"{declared} Node(package={python_text}, executable='e')", environ=ENVIRON)
     assert app.starts[0].package == value
     assert app.unresolved == ()
@@ -69,7 +75,9 @@ def test_a_package_below_the_ament_prefix(xml, tmp_path):
     node = '<node pkg="{}" exec="e"/>'
     found = xml(node.format("$(find-pkg-share other)"), environ).starts[0].package
     assert found == f"{tmp_path}/opt/share/other"
-    assert xml(node.format("$(find-pkg-prefix other)"), environ).starts[0].package == f"{tmp_path}/opt"
+    assert (
+        xml(node.format("$(find-pkg-prefix other)"), environ).starts[0].package == f"{tmp_path}/opt"
+    )
     executable = xml(node.format("$(exec-in-pkg run other)"), environ).starts[0].package
     assert executable == f"{tmp_path}/opt/lib/other/run"
 
@@ -102,7 +110,12 @@ def test_what_has_no_value_stands_in_braces_and_is_noted(python, xml, python_tex
         apps.append(xml(f'<node pkg="{xml_text}" exec="e"/>'))
     for app in apps:
         assert app.starts[0].package == shown
-        assert app.unresolved or python_text == "open('/etc/hostname').read()" or "os.environ" in python_text or "get_package" in python_text
+        assert (
+            app.unresolved
+            or python_text == "open('/etc/hostname').read()"
+            or "os.environ" in python_text
+            or "get_package" in python_text
+        )
 
 
 def test_what_one_known_argument_decides(python):
@@ -115,7 +128,9 @@ def test_what_one_known_argument_decides(python):
 
 
 def test_an_argument_that_is_not_given_is_noted_once(python):
-    app = python("".join(f"Node(package=LaunchConfiguration('a'), executable='{n}')," for n in "xyz"))
+    app = python(
+        "".join(f"Node(package=LaunchConfiguration('a'), executable='{n}')," for n in "xyz")
+    )
     assert whys(app) == ["argument 'a' is not given"]
 
 

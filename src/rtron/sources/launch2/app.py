@@ -13,7 +13,6 @@ from rtron.sources.launch2.reader import Reader, absolute
 from rtron.sources.launch2.result import AppLaunch
 from rtron.sources.launch2.scope import Scope
 from rtron.sources.launch2.starts import Starts
-from rtron.sources.launch2.yaml_files import YamlFiles
 from rtron.vocabulary import Evidence, Unresolved
 
 
@@ -35,7 +34,7 @@ def read_app_launch(
         packages=packages,
         choices=choices,
         symbolic=True,
-        files=YamlFiles(Installed(files.workspace)),
+        installed=Installed(files.workspace),
     )
     front = PythonFront(files, evaluator)
     starts = Starts(evaluator, front=front.read)

@@ -1,7 +1,7 @@
 """The texts of a ROS 2 launch file evaluated: attributes, conditions, remaps and configurations."""
 
 import os.path
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -33,9 +33,14 @@ class Evaluator(Notes):
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
     choices: Choices
-    files: YamlFiles = field(default_factory=YamlFiles)
+    installed: Callable[[str], str] = str
+    files: YamlFiles = field(init=False)
     bounds: Bounds = field(default_factory=Bounds)
     touched: set[Source] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        """Let the files count in the same bounds."""
+        self.files = YamlFiles(self.bounds, self.installed)
 
     def text(self, element: Element, key: str, scope: Scope, place: Place) -> str | None:
         """Return an attribute's value as `value` does; it decides what starts, or a name."""

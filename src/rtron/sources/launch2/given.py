@@ -8,7 +8,7 @@ from rtron.sources.launch.yaml_text import YamlLeaf, YamlTree
 from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.parameter_file import entries_of, quoted, yaml_value
-from rtron.sources.launch2.parameters import ALL, ParameterSource
+from rtron.sources.launch2.parameters import ALL, Entries, ParameterSource
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
 from rtron.sources.launch2.scope import Scope
@@ -96,10 +96,17 @@ class Given:
             yield ParameterSource(entries=(), file=path)
             return
         with self.evaluator.noting(element, self.place):
-            tree = self.evaluator.files.read(path)
-            if self._text(element, "allow_substs").lower() in _YES:
-                tree = self._replaced(tree, element)
-            yield ParameterSource(entries=entries_of(tree, path), file=path)
+            replaced = self._text(element, "allow_substs").lower() in _YES
+            yield ParameterSource(entries=self._entries(path, element, replaced), file=path)
+
+    def _entries(self, path: str, element: Element, replaced: bool) -> Entries:  # noqa: FBT001
+        """Return what a file says; that of a plain one is kept once for all nodes."""
+        files = self.evaluator.files
+        if not replaced:
+            return files.entries(path)
+        entries = entries_of(self._replaced(files.read(path), element), path)
+        self.evaluator.bounds.value(path, sum(len(values) for _, values in entries))
+        return entries
 
     def _replaced(self, tree: YamlTree, element: Element) -> YamlTree:
         """Return a file's tree with the substitutions in its texts replaced."""

@@ -43,6 +43,7 @@ class Actions:
 
     def elements(self, value: Value) -> tuple[Element, ...]:
         """Return the elements of an action, of a list of them, or of a launch description."""
+        self.texts.count()
         self._depth += 1
         try:
             return tuple(self._elements(value)) if self._depth < MAX_DEPTH else ()

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from rtron.sources.code.interpreter.arguments import Arguments
@@ -92,7 +93,8 @@ class _File:
         )
         world.machine = self.machine
         world.natives = {**world.natives, **constants(self.machine), **self._contexts()}
-        self.texts = Texts(self.machine, self._context, FILES)
+        count = partial(self.front.evaluator.bounds.piece, self.path)
+        self.texts = Texts(self.machine, self._context, FILES, count)
         described = self._described(world)
         actions = Actions(self.texts, Functions(self.texts, self._called), BUILDERS)
         return Element("launch", {}, actions.elements(described))
@@ -133,6 +135,7 @@ class _File:
     @contextmanager
     def _noting(self) -> Iterator[None]:
         """Note what ends the program early, and what it leaves open."""
+        before = self.machine.spent
         try:
             yield
         except StepsExceededError:
@@ -142,6 +145,7 @@ class _File:
         except RecursionError:
             self._note("nested too deep")
         finally:
+            self.front.evaluator.bounds.step(self.path, self.machine.spent - before)
             found = self.machine.recorder.result().unresolved
             self.front.notes.extend(note for note in found if note not in self.front.notes)
 

@@ -55,6 +55,7 @@ def _source(texts: Texts, value: Value) -> Iterator[Element]:
 
 def entries(texts: Texts, value: MapValue, tag: str = "param", depth: int = 0) -> Iterator[Element]:
     """Yield an element for each entry of a dict."""
+    texts.count()
     for key, inner in value.entries.items():
         name: Pieces = (str(key),)
         if isinstance(inner, MapValue) and depth < MAX_DEPTH:

@@ -39,16 +39,18 @@ MAX_DEPTH = 24
 @dataclass(frozen=True, slots=True)
 class Texts:
     """Turns values into texts; `context` makes what a function of the file gets as its context.
-
+    `count` is called for each part, and ends what has too many.
     `files` are the substitutions that make a file: each returns what makes it.
     """
 
     machine: Machine
     context: Callable[[View], Instance]
     files: Mapping[str, Callable[["Texts", Fields], Run]]
+    count: Callable[[], None]
 
     def pieces(self, value: Value | None, depth: int = 0) -> Pieces:
         """Return a text: a string, a substitution, or a list of both."""
+        self.count()
         if value is None or value == NONE or depth > MAX_DEPTH:
             return ()
         if isinstance(value, Known):
