@@ -26,8 +26,8 @@ def doubled(first, last, body="x = [x, x]"):
             "return LaunchDescription([Node(executable='e', parameters=[x])])",
             "x = {'a': x, 'b': x}",
         ),
-        "def generate_launch_description():\n    x = []\n    x.append(x)\n    x.append(x)\n    return x\n",
-        "def generate_launch_description():\n    x = LaunchDescription()\n    x.add_action(x)\n    x.add_action(x)\n    return x\n",
+        doubled("[]", "return x", "x.append(x)"),
+        doubled("LaunchDescription()", "return x", "x.add_action(x)"),
     ],
 )
 def test_lists_that_double_each_other_end(program, monkeypatch, text):

@@ -7,7 +7,7 @@ NODE = "Node(package='p', executable='e', name={})"
 
 
 def test_a_function_gets_a_context_in_which_texts_have_values(program):
-    app = program(f"""
+    app = program("""
 def setup(context, prefix, *, ns):
     robot = LaunchConfiguration('robot')
     names = [robot.perform(context), context.launch_configurations['robot'],
@@ -17,7 +17,7 @@ def setup(context, prefix, *, ns):
 from launch.utilities import perform_substitutions
 def generate_launch_description():
     return LaunchDescription([DeclareLaunchArgument('robot', default_value='tb3'),
-        OpaqueFunction(function=setup, args=['p_'], kwargs={{'ns': 'ns'}})])
+        OpaqueFunction(function=setup, args=['p_'], kwargs={'ns': 'ns'})])
 """)
     assert names(app) == [f"/ns/p_{name}" for name in ("tb3", "tb3", "tb3", "none", "tb3_x")]
     assert app.unresolved == ()
@@ -71,7 +71,7 @@ def generate_launch_description():
 
 
 def test_concatenated_lists_and_functions_that_make_actions(program):
-    app = program(f"""
+    app = program("""
 BASE = [('/tf', 'tf')]
 def made(name, more=(), **kwargs):
     return Node(executable='e', name=name, remappings=BASE + list(more), **kwargs)
@@ -87,13 +87,13 @@ def generate_launch_description():
 
 def test_a_file_that_the_launch_file_reads(program, package):
     (package / "robots.yaml").write_text("robots: [{name: a, topics: {out: /a}}, {name: b}]")
-    app = program(f"""
+    app = program("""
 def generate_launch_description():
     path = Path(get_package_share_directory('pkg')) / 'robots.yaml'
     with open(path) as file:
         robots = yaml.safe_load(file)['robots']
     nodes = [Node(executable='e', name=robot['name'],
-                  remappings=list(robot.get('topics', {{}}).items())) for robot in robots]
+                  remappings=list(robot.get('topics', {}).items())) for robot in robots]
     return LaunchDescription(nodes)
 """)
     assert names(app) == ["/a", "/b"]
@@ -132,7 +132,8 @@ def numbered(i):
 def each(name, ns='x'):
     return [Node(executable='e', name=name, namespace=ns)]
 def generate_launch_description():
-    return LaunchDescription([DeclareLaunchArgument('robots', default_value="{{name: a}};{{name: b, ns: c}}"),
+    robots = "{{name: a}};{{name: b, ns: c}}"
+    return LaunchDescription([DeclareLaunchArgument('robots', default_value=robots),
         ForLoop(LaunchConfiguration('n', default='2'), function=numbered),
         ForEach(LaunchConfiguration('robots'), function=each)])
 """)
@@ -142,7 +143,8 @@ def generate_launch_description():
 def test_how_often_a_loop_runs_may_not_be_known(program):
     app = program(f"""
 def generate_launch_description():
-    return LaunchDescription([ForLoop(LaunchConfiguration('n'), lambda i: [{NODE.format("['n', str(i)]")}])])
+    made = lambda i: [{NODE.format("['n', str(i)]")}]
+    return LaunchDescription([ForLoop(LaunchConfiguration('n'), made)])
 """)
     assert names(app) == ["/n{i}"]
     assert any("how often" in why for why in whys(app))
@@ -233,8 +235,10 @@ def setup(context):
     os.system('touch {mark}')
     return []
 def generate_launch_description():
-    return LaunchDescription([OpaqueFunction(function=setup), ExecuteProcess(cmd=['touch', {str(mark)!r}]),
-        Node(package=Command(['touch {mark}']), executable=PythonExpression("open('{mark}', 'w')"))])
+    opened = PythonExpression("open('{mark}', 'w')")
+    return LaunchDescription([
+        OpaqueFunction(function=setup), ExecuteProcess(cmd=['touch', {str(mark)!r}]),
+        Node(package=Command(['touch {mark}']), executable=opened)])
 """)
     assert len(app.starts) == 2
     assert not mark.exists()

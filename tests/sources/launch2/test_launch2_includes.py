@@ -4,8 +4,13 @@ import pytest
 from launched_app import names, whys
 
 CHILD = {
-    "xml": '<launch><arg name="name" default="child"/><node pkg="p" exec="e" name="$(var name)"/></launch>',
-    "yaml": "launch:\n- arg: {name: name, default: child}\n- node: {pkg: p, exec: e, name: $(var name)}",
+    "xml": """<launch><arg name="name" default="child"/>
+        <node pkg="p" exec="e" name="$(var name)"/></launch>""",
+    "yaml": """
+launch:
+- arg: {name: name, default: child}
+- node: {pkg: p, exec: e, name: $(var name)}
+""",
     "py": """
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument

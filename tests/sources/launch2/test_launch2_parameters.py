@@ -66,10 +66,10 @@ def test_wildcards_behind_the_own_name_count_for_rclcpp_only(python, package):
 
 def test_a_component_takes_its_sources_one_after_the_other(python, file, package):
     (package / "p.yaml").write_text("/**: {ros__parameters: {both: last}}")
-    app = python(
-        "LoadComposableNodes(target_container='c', composable_node_descriptions=[ComposableNode("
-        f"package='p', plugin='P', name='n', namespace='ns', parameters=['{file}', '{package}/p.yaml'])])"
-    )
+    component = "ComposableNode(package='p', plugin='P', name='n', namespace='ns', parameters="
+    component += f"['{file}', '{package}/p.yaml'])"
+    loaded = f"composable_node_descriptions=[{component}]"
+    app = python(f"LoadComposableNodes(target_container='c', {loaded})")
     assert values(app.starts[0])["both"] == "last"
 
 
@@ -194,7 +194,7 @@ def test_a_rewritten_file_below_a_namespace(python, package):
     (package / "p.yaml").write_text("n: {ros__parameters: {a: $(var x)}}")
     text = "ParameterFile(RewrittenYaml(source_file=[FindPackageShare('pkg'), '/p.yaml'], root_key="
     text += "LaunchConfiguration('ns'), param_rewrites={}), allow_substs=True)"
-    args = "DeclareLaunchArgument('ns', default_value='{}'), DeclareLaunchArgument('x', default_value='7'), "
+    args = "DeclareLaunchArgument('ns', default_value='{}'), SetLaunchConfiguration('x', '7'), "
     assert values(python(args.format("ns") + node(text)).starts[0]) == {"a": 7}
     assert values(python(args.format("") + node(text)).starts[0]) == {}
     assert values(python(args.format("") + node(text, space="/")).starts[0]) == {"a": 7}

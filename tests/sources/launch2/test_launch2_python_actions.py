@@ -65,7 +65,8 @@ def test_the_scope_of_a_group(python, flags, after):
 
 
 def test_a_group_that_forwards_nothing_but_what_it_is_given(python):
-    configured = "Node(executable='e', name=[LaunchConfiguration('x'), LaunchConfiguration('y', default='z')])"
+    name = "[LaunchConfiguration('x'), LaunchConfiguration('y', default='z')]"
+    configured = NODE.replace("'{}'", name)
     group = f"GroupAction([{configured}], forwarding=False, launch_configurations={{'x': 'k'}})"
     assert names(python(f"SetLaunchConfiguration('y', 'w'), {group}")) == ["/kz"]
 
@@ -142,9 +143,8 @@ def test_arguments_and_what_they_are_by_default(python):
 
 def test_an_argument_that_must_be_given_stands_in_braces(python):
     declared = "DeclareLaunchArgument('robot')"
-    app = python(
-        f"{declared}, Node(executable='e', name='n', namespace=['fleet/', LaunchConfiguration('robot')])"
-    )
+    space = "namespace=['fleet/', LaunchConfiguration('robot')]"
+    app = python(f"{declared}, Node(executable='e', name='n', {space})")
     assert names(app) == ["/fleet/{robot}/n"]
     assert whys(app) == ["argument 'robot' is not given"]
     assert app.arguments[0].default is None
@@ -189,7 +189,7 @@ def test_lifecycle_nodes_and_processes(python):
     app = python(
         "LifecycleNode(package='p', executable='e', name='life', namespace=''), "
         "ExecuteProcess(cmd=['gz', 'sim', ['world:=', LaunchConfiguration('w', default='a')]]), "
-        "ExecuteProcess(cmd=['ros2 run pkg exe --ros-args -r __node:=n -r a:=b -p k:=true'], shell=True)"
+        "ExecuteProcess(cmd=['ros2 run pkg exe --ros-args -r __node:=n -r a:=b -p k:=true'])"
     )
     life, process, run = app.starts
     assert life.kind is StartKind.LIFECYCLE_NODE
@@ -236,7 +236,8 @@ def generate_launch_description():
 
 def test_timers_run_in_their_order_and_a_process_may_say_what_comes_after_it(python):
     timed = f"TimerAction(period=5.0, actions=[{NODE.format('late')}])"
-    sooner = f"TimerAction(period=LaunchConfiguration('t', default='1'), actions=[{NODE.format('soon')}])"
+    period = "LaunchConfiguration('t', default='1')"
+    sooner = f"TimerAction(period={period}, actions=[{NODE.format('soon')}])"
     after = f"ExecuteProcess(cmd=['x'], on_exit=[{NODE.format('after')}])"
     app = python(f"{timed}, {sooner}, {after}, {NODE.format('now')}")
     assert [one.name for one in app.starts] == ["", "now", "after", "soon", "late"]

@@ -57,7 +57,7 @@ def test_where_packages_and_files_lie(python, xml, package):
         "FindPackageShare('pkg')",
         "FindPackageShare(package=['p', 'kg']).find('pkg')",
         "get_package_share_directory('pkg')",
-        "str(Path(get_package_share_directory('pkg')) / 'launch' / 'x.py').replace('/launch/x.py', '')",
+        "str((Path(get_package_share_directory('pkg')) / 'launch' / 'x.py').parent.parent)",
         "os.path.dirname(os.path.join(get_package_share_directory('pkg'), 'launch'))",
         "[ThisLaunchFileDir(), '']",
     ):

@@ -15,7 +15,8 @@ def test_a_node_with_all_it_can_be_given(xml, package):
     (package / "p.yaml").write_text("/**: {ros__parameters: {file: $(var x)}}")
     app = xml(
         """<arg name="x" default="7"/><set_remap from="a" to="b"/>
-        <node pkg="p" exec="e" name="n" namespace="ns" args="-d '$(var x) y' -- z" ros_args="-p q:=2">
+        <node pkg="p" exec="e" name="n" namespace="ns" args="-d '$(var x) y' -- z"
+              ros_args="-p q:=2">
           <param name="one" value="$(var x)"/><param name="text" value="$(var x)" type="str"/>
           <param name="deep"><param name="er" value="1.5"/></param>
           <param name="list" value="a;b" value-sep=";"/>

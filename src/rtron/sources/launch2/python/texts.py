@@ -39,6 +39,7 @@ MAX_DEPTH = 24
 @dataclass(frozen=True, slots=True)
 class Texts:
     """Turns values into texts; `context` makes what a function of the file gets as its context.
+
     `count` is called for each part, and ends what has too many.
     `files` are the substitutions that make a file: each returns what makes it.
     """
