@@ -37,6 +37,22 @@ def generate_launch_description():
     assert names(app) == ["/n1", "/n2", "/m3"]
 
 
+def test_a_function_sees_the_parameters_and_remaps_for_all_nodes(program):
+    app = program("""
+def setup(context):
+    shared = dict(context.launch_configurations.get('global_params', []))
+    remaps = context.launch_configurations.get('ros_remaps', [])
+    length = shared['front'] + shared['rear']
+    return [Node(executable='e', name='n' + str(len(remaps)), parameters=[{'length': length}])]
+def generate_launch_description():
+    return LaunchDescription([SetParameter('front', 1.5), SetParameter('rear', 2.0),
+        SetRemap('a', 'b'), OpaqueFunction(function=setup)])
+""")
+    assert names(app) == ["/n1"]
+    assert values(app.starts[0])["length"] == 3.5
+    assert app.unresolved == ()
+
+
 def test_a_function_decides_by_what_it_is_given(program):
     text = f"""
 def setup(context):

@@ -16,7 +16,6 @@ from rtron.sources.code.interpreter.recorder import Recorder
 from rtron.sources.code.interpreter.statements import EXECUTORS, branch
 from rtron.sources.code.interpreter.values import (
     NONE,
-    Hole,
     Instance,
     ListValue,
     MapValue,
@@ -37,6 +36,7 @@ from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.python.actions import Actions
 from rtron.sources.launch2.python.builders import BUILDERS
+from rtron.sources.launch2.python.configurations import configurations
 from rtron.sources.launch2.python.functions import Functions
 from rtron.sources.launch2.python.nav2 import FILES
 from rtron.sources.launch2.python.texts import Texts, value_of
@@ -127,10 +127,9 @@ class _File:
         return NONE
 
     def _context(self, view: View) -> Instance:
-        known = {name: value_of(text) for name, text in view.scope.configurations.items()}
-        unknown = {one.name: Hole(one.name) for one in view.scope.unknown if not one.environment}
+        known = MapValue(configurations(view.scope))
         seen = environment(self.machine.recorder.site)
-        return launch_context(_Launch(self.texts, view), MapValue({**known, **unknown}), seen)
+        return launch_context(_Launch(self.texts, view), known, seen)
 
     @contextmanager
     def _noting(self) -> Iterator[None]:
