@@ -65,7 +65,8 @@ def test_wildcards_behind_the_own_name_count_for_rclcpp_only(python, package):
 
 
 def test_a_component_takes_its_sources_one_after_the_other(python, file, package):
-    (package / "p.yaml").write_text("/**: {ros__parameters: {both: last}}")
+    text = "{ros__parameters: {both: last}}\n/**/n: {ros__parameters: {both: other}}"
+    (package / "p.yaml").write_text(f"/**: {text}")
     component = "ComposableNode(package='p', plugin='P', name='n', namespace='ns', parameters="
     component += f"['{file}', '{package}/p.yaml'])"
     loaded = f"composable_node_descriptions=[{component}]"

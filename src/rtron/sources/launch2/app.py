@@ -41,9 +41,9 @@ def read_app_launch(
     try:
         Reader(evaluator, starts).root(absolute(path), Scope(dict(arguments), dict(environ)))
     except InputError as error:
-        place = Evidence(file=error.path or str(path), line=error.line)
-        note = Unresolved(what=path.name, why=str(error), evidence=(place,))
-        evaluator.unresolved.append(note)
+        evaluator.unresolved.append(_note(path, str(error), error.path, error.line))
+    except RecursionError:
+        evaluator.unresolved.append(_note(path, "nested too deep"))
     return AppLaunch(
         file=absolute(path),
         starts=tuple(starts.starts),
@@ -51,3 +51,8 @@ def read_app_launch(
         includes=tuple(starts.includes[0]),
         unresolved=tuple(evaluator.unresolved),
     )
+
+
+def _note(path: Path, why: str, file: str = "", line: int = 0) -> Unresolved:
+    place = Evidence(file=file or str(path), line=line)
+    return Unresolved(what=path.name, why=why, evidence=(place,))

@@ -48,6 +48,20 @@ def given_parameters(
     return {name: value for _, values in fitting for name, value in values.items()}
 
 
+def loaded_parameters(sources: Iterable[ParameterSource], node: str) -> dict[str, Parameter]:
+    """Return the parameters that a component is loaded with: source after source.
+
+    Of a file count what stands for all nodes, then what stands below the full name itself; no
+    other pattern does (launch_ros: to_parameters_list).
+    """
+    found: dict[str, Parameter] = {}
+    for source in sources:
+        for wanted in (ALL, node):
+            for pattern, values in source.entries:
+                found.update(values if _absolute(pattern) == wanted else {})
+    return found
+
+
 def names(pattern: str, node: str) -> bool:
     """Tell whether a pattern of a parameter file names a node (rclcpp: parameter_map)."""
     parts = _absolute(pattern).split("/")[1:]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rtron.sources.launch2.parameters import ParameterSource, given_parameters
+from rtron.sources.launch2.parameters import ParameterSource, given_parameters, loaded_parameters
 from rtron.vocabulary import Evidence, Unresolved, Word
 from rtron.vocabulary.parameters import Parameter
 from rtron.vocabulary.remap_rules import UNKNOWN, Rule
@@ -59,14 +59,11 @@ class Start:
     def parameters(self, *, by_order: bool = False) -> dict[str, Parameter]:
         """Return the parameters that it is given, as `given_parameters` merges them.
 
-        For a component launch_ros takes them together itself, source after source.
+        For a component launch_ros takes them together itself, as `loaded_parameters` says.
         """
-        if self.kind is not StartKind.COMPONENT:
-            return given_parameters(self.sources, self.full_name, by_order=by_order)
-        found: dict[str, Parameter] = {}
-        for source in self.sources:
-            found.update(given_parameters([source], self.full_name))
-        return found
+        if self.kind is StartKind.COMPONENT:
+            return loaded_parameters(self.sources, self.full_name)
+        return given_parameters(self.sources, self.full_name, by_order=by_order)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
