@@ -33,14 +33,14 @@ def child(package):
     return package / "launch"
 
 
-@pytest.mark.parametrize("suffix", ["xml", "yaml", "py"])
 @pytest.mark.parametrize(
-    "source",
+    ("suffix", "source"),
     [
-        "AnyLaunchDescriptionSource({})",
-        "PythonLaunchDescriptionSource([{}])",
-        "{}",
-        "FrontendLaunchDescriptionSource({})",
+        *((suffix, "AnyLaunchDescriptionSource({})") for suffix in CHILD),
+        *((suffix, "{}") for suffix in CHILD),
+        ("py", "PythonLaunchDescriptionSource([{}])"),
+        ("xml", "FrontendLaunchDescriptionSource({})"),
+        ("yaml", "FrontendLaunchDescriptionSource({})"),
     ],
 )
 def test_a_python_file_includes_every_format(python, child, suffix, source):

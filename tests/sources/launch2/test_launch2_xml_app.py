@@ -94,13 +94,13 @@ def test_settings_for_all_nodes_in_a_group(xml, package):
     (package / "p.yaml").write_text("/**: {ros__parameters: {file: 1}}")
     app = xml(
         f"""<group><push-ros-namespace namespace="g"/><set_parameter name="a" value="1"/>
-        <set_parameters_from_file filename="{package}/p.yaml"/><set_use_sim_time value="true"/>
+        <set_parameters_from_file filename="{package}/p.yaml"/>
         <set_env name="E" value="x"/><let name="l" value="m"/>
         <node pkg="p" exec="e" name="$(var l)"/></group><node pkg="p" exec="e" name="n"/>"""
     )
     inner, outer = app.starts
     assert inner.full_name == "/g/m"
-    assert values(inner) == {"a": 1, "file": 1, "use_sim_time": True}
+    assert values(inner) == {"a": 1, "file": 1}
     assert inner.environ == (("E", "x"),)
     assert (outer.full_name, values(outer), outer.environ) == ("/n", {}, ())
 

@@ -17,7 +17,6 @@ from rtron.vocabulary.parameters import Parameter
 
 _STRINGS = frozenset({"str", "string"})
 _YES = frozenset({"true", "1", "yes", "on"})
-_USE_SIM_TIME = "use_sim_time"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +43,7 @@ class Given:
         if element.tag == "set_parameters_from_file":
             found = next(self._file(element, "filename"), None)
             return found and ParameterSource(entries=found.entries, file=found.file, shared=True)
-        name = self._text(element, "name") or _USE_SIM_TIME
+        name = self._text(element, "name")
         entries = ((ALL, {shown(name): self._parameter(element)}),)
         return ParameterSource(entries=entries, shared=True)
 
@@ -79,7 +78,7 @@ class Given:
     def _value(self, param: Element) -> ParameterValue:
         items = tuple(param.named("item"))
         if items:
-            return [self._value(item) for item in items]
+            return _uniform([self._value(item) for item in items])
         text, separator = self._text(param, "value"), param.plain("value-sep")
         if separator:
             return [yaml_value(part) for part in text.split(separator)]
@@ -127,3 +126,9 @@ class Given:
 
     def _text(self, element: Element, key: str) -> str:
         return self.evaluator.value(element, key, self.scope, self.place) or ""
+
+
+def _uniform(values: list[ParameterValue]) -> list[ParameterValue]:
+    """Return a list of numbers as floats if one of them is a float."""
+    numbers = {type(value) for value in values}
+    return [float(value) for value in values] if numbers == {int, float} else values

@@ -52,13 +52,14 @@ def loaded_parameters(sources: Iterable[ParameterSource], node: str) -> dict[str
     """Return the parameters that a component is loaded with: source after source.
 
     Of a file count what stands for all nodes, then what stands below the full name itself; no
-    other pattern does (launch_ros: to_parameters_list).
+    other pattern does, and what stands there twice counts where it stands last (launch_ros:
+    to_parameters_list).
     """
     found: dict[str, Parameter] = {}
     for source in sources:
+        by_pattern = {_absolute(pattern): values for pattern, values in source.entries}
         for wanted in (ALL, node):
-            for pattern, values in source.entries:
-                found.update(values if _absolute(pattern) == wanted else {})
+            found.update(by_pattern.get(wanted, {}))
     return found
 
 

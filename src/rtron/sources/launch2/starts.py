@@ -24,7 +24,7 @@ from rtron.sources.launch2.words import (
 )
 from rtron.vocabulary.remap_rules import UNKNOWN
 
-SHARED = frozenset({"set_parameter", "set_parameters_from_file", "set_use_sim_time"})
+SHARED = frozenset({"set_parameter", "set_parameters_from_file"})
 """The actions that give parameters to all nodes after them."""
 
 _KINDS = {

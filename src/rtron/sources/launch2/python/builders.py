@@ -47,7 +47,7 @@ def _argument(actions: Actions, fields: Fields) -> Element:
 
 def _shared(actions: Actions, fields: Fields) -> Element:
     """Return the element of a parameter for all nodes."""
-    name = actions.texts.pieces(fields.get("name")) or ("use_sim_time",)
+    name = actions.texts.pieces(fields.get("name"))
     return parameter(actions.texts, name, fields.get("value", NONE), "set_parameter")
 
 
@@ -101,6 +101,7 @@ _SILENT = (
     "LogWarning",
     "ReadyToTest",
     "SetROSLogDir",
+    "SetUseSimTime",
     "Shutdown",
     "UnregisterEventHandler",
 )
@@ -132,7 +133,6 @@ BUILDERS: Mapping[str, Build] = {
     "SetParameter": _shared,
     "SetParametersFromFile": _plain("set_parameters_from_file", filename="filename"),
     "SetRemap": _plain("set_remap", **{"from": "src", "to": "dst"}),
-    "SetUseSimTime": _shared,
     "TimerAction": _timer,
     "UnsetEnvironmentVariable": _plain("unset_env", name="name"),
     "UnsetLaunchConfiguration": _plain("unset", name="name"),
