@@ -244,7 +244,8 @@ def test_timers_run_in_their_order_and_a_process_may_say_what_comes_after_it(pyt
 
 
 def test_actions_that_start_nothing_are_no_matter(python):
-    silent = "LogInfo(msg='x'), EmitEvent(event=Shutdown()), Shutdown(), SetROSLogDir('x'), SetUseSimTime(True)"
+    silent = "LogInfo(msg='x'), EmitEvent(event=Shutdown()), Shutdown(), SetROSLogDir('x'), "
+    silent += "SetUseSimTime(True)"
     assert python(silent).unresolved == ()
 
 
