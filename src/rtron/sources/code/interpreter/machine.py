@@ -88,6 +88,11 @@ class Machine:
     _loops: int = 0
     _stack: list[Function] = field(default_factory=list)
 
+    @property
+    def spent(self) -> int:
+        """How many steps the program has taken."""
+        return self._steps
+
     def evaluate(self, node: Expr, frame: Frame) -> Value:
         """Return the value of an expression."""
         self._count()

@@ -29,6 +29,8 @@ Methods = Mapping[str, Callable[..., Value]]
 
 def _write(machine: Machine, owner: ListValue, items: tuple[Value, ...]) -> Value:
     machine.trail.set(owner.fields, "items", items[:MAX_ITEMS])
+    if len(items) > MAX_ITEMS:
+        machine.trail.open(owner.fields)
     return NONE
 
 
