@@ -12,6 +12,7 @@ from rtron.sources.code.interpreter.values import (
     FunctionValue,
     Hole,
     Instance,
+    NativeClass,
     Value,
 )
 from rtron.sources.code.ir import Class, Function
@@ -60,6 +61,23 @@ API = frozenset(
         "SimpleActionServer<>",
     ]
 )
+API2 = frozenset(
+    [
+        *("create_publisher", "create_subscription", "create_service", "create_client"),
+        *("create_generic_publisher", "create_generic_subscription", "create_generic_client"),
+        *("create_server", "create_sub_node", "Node", "LifecycleNode", "rclcpp::Node"),
+        *("create_camera_publisher", "create_camera_subscription", "ImageTransport"),
+        *("advertise", "advertiseCamera", "subscribe", "subscribeCamera", "Subscriber"),
+        *("TransformListener", "TransformBroadcaster", "StaticTransformBroadcaster", "Buffer"),
+        *("ActionServer", "ActionClient", "Updater", "Bond", "InteractiveMarkerServer"),
+        *("createSharedInstance", "createUniqueInstance", "createUnmanagedInstance"),
+        *("createInstance", "configure", "activate", "registerFromPlugin", "registerNodeType"),
+        *("declare_parameter", "declare_parameters", "CameraInfoManager", "SubscriberFilter"),
+        *("wait_for_message", "ParameterEventHandler", "AsyncParametersClient"),
+        *("SyncParametersClient", "system", "Popen", "popen", "check_call", "create_node"),
+    ]
+)
+"""The same for ROS 2; parameters decide names there, so declaring one counts."""
 MAX_RUNS = 400
 MAX_STEPS = 100_000
 
@@ -94,6 +112,7 @@ def _waiting(machine: Machine) -> Iterator[FunctionValue]:
         machine.called_back += 1
         if joins_nodes(machine, callback.function):
             yield callback
+    yield from _called(machine)
     for instance in list(machine.instances):
         if isinstance(instance, Instance):
             yield from _destructor(machine, instance)
@@ -101,6 +120,22 @@ def _waiting(machine: Machine) -> Iterator[FunctionValue]:
             for method in _methods(machine, instance):
                 if _counts(machine, method.function):
                     yield method
+
+
+def _called(machine: Machine) -> Iterator[FunctionValue]:
+    """Yield the virtual methods that a library calls of objects, each once for each object."""
+    for instance in list(machine.instances):
+        for name in _library_calls(machine, instance):
+            if (id(instance), name) not in machine.transitions:
+                machine.transitions.add((id(instance), name))
+                found = machine.world.attribute(instance, name, ())
+                if isinstance(found, FunctionValue) and joins_nodes(machine, found.function):
+                    yield found
+
+
+def _library_calls(machine: Machine, instance: Value) -> tuple[str, ...]:
+    lineage = machine.world.lineage(instance.type) if isinstance(instance, Instance) else ()
+    return next((cls.called for cls in lineage if isinstance(cls, NativeClass) and cls.called), ())
 
 
 def _destructor(machine: Machine, instance: Instance) -> Iterator[FunctionValue]:
@@ -128,7 +163,8 @@ def joins_nodes(machine: Machine, function: Function) -> bool:
 
 
 def _joins_nodes(machine: Machine, function: Function) -> bool:
-    return any(called_words(reached) & API for reached in _reached(machine, [function]))
+    api = API if machine.recorder.site.ros == 1 else API2
+    return any(called_words(reached) & api for reached in _reached(machine, [function]))
 
 
 def changed_at_any_time(machine: Machine) -> frozenset[str]:

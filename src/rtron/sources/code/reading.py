@@ -1,5 +1,6 @@
 """The workspace as the interpreter sees it: files lowered once, headers and modules found."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -8,6 +9,7 @@ from rtron.sources.bounded import read_bounded
 from rtron.sources.code.cpp import lower_cpp
 from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.ir import Language, Problem, Unit
+from rtron.sources.code.defining import defining
 from rtron.sources.code.python import lower_python
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_inside
@@ -21,6 +23,7 @@ class WorkspaceFiles:
 
     workspace: Workspace
     definitions: tuple[str, ...] = ()
+    _sources: dict[str, Mapping[str, tuple[Path, ...]]] = field(default_factory=dict)
     _units: dict[tuple[Path, Language, tuple[str, ...]], Unit] = field(default_factory=dict)
 
     def defining(self, definitions: tuple[str, ...]) -> "WorkspaceFiles":
@@ -70,6 +73,20 @@ class WorkspaceFiles:
         if found is None or found.program is None:
             return None
         return Plugin(found.declared.type, found.program.sources)
+
+    def plugins(self, base: str) -> tuple[str, ...]:
+        """Return the names of all plugins of a base class."""
+        return tuple(found.name for found in self.workspace.plugins(base))
+
+    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+        """Return the sources of a header's package that may define a class's methods, or a function."""
+        package = self.workspace.package_of(header)
+        if package is None:
+            return ()
+        if package not in self._sources:
+            contents = self.workspace.contents(package)
+            self._sources[package] = defining(contents.targets if contents else ())
+        return self._sources[package].get(word, ())
 
 
 def _lowered(path: Path, language: Language, definitions: tuple[str, ...]) -> Unit:

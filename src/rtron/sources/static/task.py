@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rtron.sources.code.interpreter.files import Files, Plugin
 from rtron.sources.code.ir import Language, Unit
-from rtron.sources.code.program import run_cpp, run_nodelet, run_python
+from rtron.sources.code.program import run_component, run_cpp, run_nodelet, run_python
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.code.shell import read_shell
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -20,11 +20,12 @@ class TaskKind(Word):
     PYTHON = "python"
     SHELL = "sh"
     NODELET = "nodelet"
+    COMPONENT = "component"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """A program's sources, macros and the node it runs as; `cls` is a nodelet's class."""
+    """A program's sources, macros and the node it runs as; `cls` is a nodelet's or component's class."""
 
     kind: TaskKind
     sources: tuple[Path, ...]
@@ -63,6 +64,8 @@ def _run(task: Task, files: Files) -> NodeInterface:
         return read_shell(task.sources[0])
     if task.kind is TaskKind.PYTHON:
         return run_python(task.sources[0], task.site, files)
+    if task.kind is TaskKind.COMPONENT:
+        return run_component(task.sources, task.cls, task.site, files)
     if task.kind is TaskKind.NODELET:
         return run_nodelet(task.sources, task.cls, task.site, files)
     return run_cpp(task.sources, task.site, files)
@@ -104,3 +107,11 @@ class WatchedFiles:
     def plugin(self, name: str, base: str) -> Plugin | None:
         """Return the class that pluginlib knows by a name or type."""
         return self.files.plugin(name, base)
+
+    def plugins(self, base: str) -> tuple[str, ...]:
+        """Return the names of all plugins of a base class."""
+        return self.files.plugins(base)
+
+    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+        """Return the sources of a header's package that may define a class or function."""
+        return self.files.implementing(header, word)

@@ -42,6 +42,7 @@ class CppCalls(CppTypes):
             cls=called.cls,
             scope=getattr(outer, "scope", "") or function.name.rpartition("::")[0],
             types=self.bound_types(called, passed),
+            caller=arguments,
         )
         default = Frame(file=function.file, scope=frame.scope, this=frame.this, types=frame.types)
         frame.variables = bind(

@@ -43,6 +43,7 @@ class CppWorld(CppObjects):
     """One program as the machine asks for it."""
 
     functions: Mapping[str, Native]
+    constants: Mapping[str, Value] = field(default_factory=lambda: CONSTANTS)
     _globals: dict[str, Value] = field(default_factory=dict)
 
     by_reference = True
@@ -146,14 +147,22 @@ class CppWorld(CppObjects):
         owner, _, method = name.rpartition("::")
         definition = self.symbols.class_named(owner, frame.scope)
         if definition is None or frame.this is None:
-            return None
+            return self._native_method(owner, method, frame)
         functions = self.overloads(f"{definition.name}::{method}")
         if not functions:
             return None
         return bound_overloads(functions, frame.this, self._class(definition))
 
+    def _native_method(self, owner: str, method: str, frame: Frame) -> Value | None:
+        """`rclcpp::Node::shared_from_this` inside a class that extends it."""
+        base = self.class_of(TypeRef(owner), frame)
+        if not isinstance(base, NativeClass) or not isinstance(frame.this, Instance):
+            return None
+        call = base.methods.get(method) if base in self.lineage(frame.this.type) else None
+        return Native(method, call, frame.this) if call is not None else None
+
     def _outer(self, name: Name, frame: Frame) -> Value:
-        found = self._parameter(name, frame) or CONSTANTS.get(name.id)
+        found = self._parameter(name, frame) or self.constants.get(name.id)
         if found is None and "::" in name.id and name.id in self.functions:
             found = self._native(name.id, name)
         return found or self._around(name, frame) or self._made_by(name, frame)

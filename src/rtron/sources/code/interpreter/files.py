@@ -43,3 +43,14 @@ class Files(Protocol):
     def plugin(self, name: str, base: str) -> Plugin | None:
         """Return the class that pluginlib knows by a name or type."""
         ...
+
+    def plugins(self, base: str) -> tuple[str, ...]:
+        """Return the names of all plugins of a base class."""
+        ...
+
+    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+        """Return the sources of a header's package that may define a class's methods, or a function.
+
+        `word` is the plain name of the class or function.
+        """
+        ...

@@ -112,6 +112,7 @@ class PythonWorld(PythonObjects):
             variables=variables,
             closure=closure,
             cls=called.cls,
+            caller=arguments,
         )
 
 

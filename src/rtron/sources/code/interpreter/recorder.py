@@ -16,11 +16,12 @@ from rtron.sources.code.ir import Problem
 from rtron.sources.declaration import (
     Declaration,
     DeclarationKind,
+    MadeNode,
     NodeInterface,
     NodeSite,
     StartedLaunch,
 )
-from rtron.vocabulary import Evidence, Resolution, Unresolved
+from rtron.vocabulary import Evidence, QoS, Resolution, Unresolved
 from rtron.vocabulary.launch import resolve_name
 
 MAX_DECLARATIONS = 2000
@@ -32,7 +33,8 @@ class Recorder:
 
     site: NodeSite
     muted: int = 0
-    _declarations: dict[tuple[DeclarationKind, str, str], Declaration] = field(default_factory=dict)
+    _declarations: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(default_factory=dict)
+    _nodes: dict[str, MadeNode] = field(default_factory=dict)
     _starts: dict[StartedLaunch, None] = field(default_factory=dict)
     _unresolved: dict[Unresolved, None] = field(default_factory=dict)
 
@@ -41,25 +43,33 @@ class Recorder:
         kind: DeclarationKind,
         name: Value,
         type: str,
-        evidence: Evidence,
-        *,
+        *evidence: Evidence,
         implicit: bool = False,
         latched: bool = False,
+        node: str = "",
+        qos: QoS | None = None,
     ) -> None:
         """Record a declared name, once for each of its options."""
-        for option in self._likely(name):
+        for option in self.likely(name):
             declared = Declaration(
                 kind=kind,
                 name=resolve_name(spelled(option), self.site.name),
                 type=type,
+                node=node,
+                qos=qos,
                 implicit=implicit,
                 latched=latched,
                 resolution=_resolution(option),
-                evidence=(evidence,),
+                evidence=evidence,
             )
             self._add(declared)
 
-    def _likely(self, name: Value) -> tuple[Value, ...]:
+    def node(self, made: MadeNode) -> None:
+        """Record a node that the process makes."""
+        if not self.muted and len(self._nodes) < MAX_DECLARATIONS:
+            self._nodes.setdefault(made.name, made)
+
+    def likely(self, name: Value) -> tuple[Value, ...]:
         """Return what to report of a name: where no launch is known, a default is the answer."""
         found = options(name)
         known = tuple(option for option in found if isinstance(option, Known))
@@ -83,6 +93,7 @@ class Recorder:
     def result(self) -> NodeInterface:
         """Return all that was recorded."""
         return NodeInterface(
+            nodes=tuple(self._nodes.values()),
             declarations=tuple(self._declarations.values()),
             starts=tuple(self._starts),
             unresolved=tuple(self._unresolved),
@@ -91,7 +102,7 @@ class Recorder:
     def _add(self, declared: Declaration) -> None:
         if self.muted or len(self._declarations) >= MAX_DECLARATIONS:
             return
-        key = (declared.kind, declared.name, declared.type)
+        key = (declared.kind, declared.name, declared.type, declared.node)
         self._declarations.setdefault(key, declared)
 
 

@@ -25,6 +25,14 @@ NATIVE_FOLDERS = frozenset(
         "tf",
         "tf2_ros",
         "camera_info_manager",
+        "rclcpp",
+        "rclcpp_action",
+        "rclcpp_components",
+        "rclcpp_lifecycle",
+        "behaviortree_cpp",
+        "behaviortree_cpp_v3",
+        "tf2",
+        "tf2_geometry_msgs",
     ]
 )
 """Headers of libraries that `natives` stand for: their own source is not run."""
@@ -33,10 +41,14 @@ _MAX_ALIASES = 12
 
 @dataclass(eq=False, slots=True)
 class Symbols:
-    """Functions, classes, variables, aliases and enumerators, by their qualified names."""
+    """Functions, classes, variables, aliases and enumerators, by their qualified names.
+
+    `everywhere` says that what another package defines is looked for in its sources when needed.
+    """
 
     files: Files
     sources: tuple[Path, ...] = ()
+    everywhere: bool = False
     functions: dict[str, list[Function]] = field(default_factory=dict)
     classes: dict[str, Class] = field(default_factory=dict)
     variables: dict[str, tuple[Declare, str]] = field(default_factory=dict)
@@ -47,6 +59,7 @@ class Symbols:
     units: dict[Path, Unit] = field(default_factory=dict)
     _plain: dict[str, list[Function]] = field(default_factory=dict)
     _methods: dict[str, list[str]] = field(default_factory=dict)
+    _sought: set[tuple[str, str]] = field(default_factory=set)
 
     def load(self, path: Path) -> None:
         """Take in a file and the headers it includes, headers first."""
@@ -61,6 +74,22 @@ class Symbols:
             if header is not None:
                 self.load(header)
         self._take(unit)
+
+    def seek(self, function: Function) -> bool:
+        """Take in the sources that may define a function which is only declared so far.
+
+        Those of its header's package; tell whether there are any.
+        """
+        owner, _, plain = function.name.rpartition("::")
+        word = owner.rpartition("::")[2] if owner in self.classes else plain
+        if not self.everywhere or (function.file, word) in self._sought:
+            return False
+        self._sought.add((function.file, word))
+        found = self.files.implementing(Path(function.file), word)
+        missing = [path for path in found if path not in self.units]
+        for path in missing:
+            self.load(path)
+        return bool(missing)
 
     def named(self, plain: str) -> tuple[Function, ...]:
         """Return the functions whose last part is a name."""

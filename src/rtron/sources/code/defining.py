@@ -1,0 +1,33 @@
+"""Which source of a package defines a class's methods or a function, told without parsing it."""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.bounded import read_bounded
+from rtron.sources.workspace.package import Target, TargetKind
+
+MAX_BYTES = 4 * 2**20
+
+_METHOD = re.compile(rb"\b(\w+)(?:<[^<>;(){}]{0,200}>)?::~?(?:\w+)\s*\(")
+_FUNCTION = re.compile(rb"^(?:[A-Za-z_][\w:<>,&* ]{0,200}[\s&*])?(\w+)\s*\(", re.MULTILINE)
+
+
+def defining(targets: Iterable[Target]) -> Mapping[str, tuple[Path, ...]]:
+    """Return, for each plain name of a class or function, the sources of libraries that may define it."""
+    libraries = (target for target in targets if target.kind is TargetKind.LIBRARY)
+    found: dict[str, list[Path]] = defaultdict(list)
+    for path in dict.fromkeys(path for target in libraries for path in target.sources):
+        for word in _words(path):
+            found[word].append(path)
+    return {word: tuple(paths) for word, paths in found.items()}
+
+
+def _words(path: Path) -> set[str]:
+    try:
+        text = read_bounded(path, MAX_BYTES)
+    except InputError:
+        return set()
+    return {word.decode() for form in (_METHOD, _FUNCTION) for word in form.findall(text)}
