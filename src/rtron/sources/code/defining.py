@@ -25,9 +25,19 @@ def defining(targets: Iterable[Target]) -> Mapping[str, tuple[Path, ...]]:
     return {word: tuple(paths) for word, paths in found.items()}
 
 
+def naming(sources: Iterable[Path], word: str) -> tuple[Path, ...]:
+    """Return those of some sources whose text has a word."""
+    wanted = re.compile(rb"\b%b\b" % re.escape(word.encode("utf-8", "surrogateescape")))
+    return tuple(path for path in sources if wanted.search(_text(path)))
+
+
 def _words(path: Path) -> set[str]:
-    try:
-        text = read_bounded(path, MAX_BYTES)
-    except InputError:
-        return set()
+    text = _text(path)
     return {word.decode() for form in (_METHOD, _FUNCTION) for word in form.findall(text)}
+
+
+def _text(path: Path) -> bytes:
+    try:
+        return read_bounded(path, MAX_BYTES)
+    except InputError:
+        return b""

@@ -9,7 +9,7 @@ from rtron.sources.bounded import read_bounded
 from rtron.sources.code.cpp import lower_cpp
 from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.ir import Language, Problem, Unit
-from rtron.sources.code.defining import defining
+from rtron.sources.code.defining import defining, naming
 from rtron.sources.code.python import lower_python
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_inside
@@ -77,6 +77,10 @@ class WorkspaceFiles:
     def plugins(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class."""
         return tuple(found.name for found in self.workspace.plugins(base))
+
+    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+        """Return those of some sources whose text has a word."""
+        return naming(sources, word)
 
     def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
         """Return the sources of a header's package that may define a class's methods, or a function."""

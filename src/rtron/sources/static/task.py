@@ -112,6 +112,10 @@ class WatchedFiles:
         """Return the names of all plugins of a base class."""
         return self.files.plugins(base)
 
+    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+        """Return those of some sources whose text has a word."""
+        return self.files.naming(sources, word)
+
     def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
         """Return the sources of a header's package that may define a class or function."""
         return self.files.implementing(header, word)

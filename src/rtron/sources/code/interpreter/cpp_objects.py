@@ -8,6 +8,7 @@ from rtron.sources.code.interpreter.assignment import place_of
 from rtron.sources.code.interpreter.calling import note_handed
 from rtron.sources.code.interpreter.cpp_calls import CppCalls
 from rtron.sources.code.interpreter.cpp_types import template_types
+from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.iterators import item_at
 from rtron.sources.code.interpreter.overloads import choose
@@ -81,10 +82,20 @@ class CppObjects(CppCalls):
         found = self.files.plugin(name, base)
         if found is None:
             return None
-        for source in found.sources:
+        cls = self._taken_in(found)
+        return self.constructed(cls, Arguments(frame=arguments.frame), ()) if cls else None
+
+    def _taken_in(self, found: Plugin) -> ClassValue | None:
+        """Take in the sources of a plugin: those that name its class first, the others if need be."""
+        sources = found.sources
+        if self.symbols.everywhere:
+            sources = self.files.naming(sources, found.cls.rpartition("::")[2])
+        for source in sources:
             self.symbols.load(source)
         cls = self.class_named(found.cls)
-        return self.constructed(cls, Arguments(frame=arguments.frame), ()) if cls else None
+        for source in found.sources if cls is None else ():
+            self.symbols.load(source)
+        return cls or self.class_named(found.cls)
 
     def default(
         self, type: TypeRef | None, frame: Frame, *, pointer: bool = False, line: int = 0

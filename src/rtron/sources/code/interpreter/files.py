@@ -48,6 +48,10 @@ class Files(Protocol):
         """Return the names of all plugins of a base class."""
         ...
 
+    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+        """Return those of some sources whose text has a word."""
+        ...
+
     def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
         """Return the sources of a header's package that may define a class's methods, or a function.
 
