@@ -89,6 +89,17 @@ PREDEFINED = """
 #define GZ_REGISTER_GUI_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::GUIPlugin)
 """
 
+LOGGING = "\n".join(
+    f"#define RCLCPP_{level}{stream}{how}(...)"
+    for level in ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
+    for stream in ("", "_STREAM")
+    for how in (
+        *("", "_ONCE", "_EXPRESSION", "_FUNCTION", "_SKIPFIRST"),
+        *("_THROTTLE", "_SKIPFIRST_THROTTLE"),
+    )
+)
+"""What rclcpp's programs say, which joins no nodes (rclcpp/logging.hpp)."""
+
 QT_WORDS = """
 #define slots
 #define signals public
