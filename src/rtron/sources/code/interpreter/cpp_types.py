@@ -41,6 +41,7 @@ class CppTypes:
     symbols: Symbols
     native_classes: Mapping[str, NativeClass]
     _classes: dict[str, ClassValue] = field(default_factory=dict)
+    _overloads: dict[str, tuple[int, tuple[Function, ...]]] = field(default_factory=dict)
 
     def own_functions(self) -> Iterator[Function]:
         """Yield the functions of the program's sources, and of the headers in its package."""
@@ -174,6 +175,13 @@ class CppTypes:
 
     def overloads(self, name: str) -> tuple[Function, ...]:
         """Return the functions of a qualified name, those with a body if there are any."""
+        known = self._overloads.get(name)
+        if known is None or known[0] != self.symbols.version:
+            found = self._found_overloads(name)
+            known = self._overloads[name] = (self.symbols.version, found)
+        return known[1]
+
+    def _found_overloads(self, name: str) -> tuple[Function, ...]:
         functions = self.symbols.functions.get(name, [])
         defined = [function for function in functions if function.body is not None]
         if functions and not defined and any([self.symbols.seek(f) for f in functions]):

@@ -45,6 +45,8 @@ class CppWorld(CppObjects):
     functions: Mapping[str, Native]
     constants: Mapping[str, Value] = field(default_factory=lambda: CONSTANTS)
     _globals: dict[str, Value] = field(default_factory=dict)
+    _known: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
+    _known_at: int = -1
 
     by_reference = True
 
@@ -178,11 +180,30 @@ class CppWorld(CppObjects):
 
     def _around(self, name: Name, frame: Frame) -> Value | None:
         """Return what a name means in the namespaces around, and through their aliases."""
-        followed = self.resolved(TypeRef(name.id), frame).name
-        aliased = (followed,) if followed != name.id and "::" in followed else ()
-        candidates = (*self.symbols.candidates(name.id, frame.scope), *aliased)
+        if name.id.partition("::")[0] in frame.types:
+            return self._among(self._candidates(name.id, frame), name)
+        key = name.id, frame.scope
+        if self._known_at != self.symbols.version:
+            self._known_at = self.symbols.version
+            self._known.clear()
+        if key not in self._known:
+            candidates = self._candidates(name.id, frame)
+            self._known[key] = tuple(c for c in candidates if self._is_global(c))
+        return self._among(self._known[key], name)
+
+    def _candidates(self, name: str, frame: Frame) -> tuple[str, ...]:
+        followed = self.resolved(TypeRef(name), frame).name
+        aliased = (followed,) if followed != name and "::" in followed else ()
+        return (*self.symbols.candidates(name, frame.scope), *aliased)
+
+    def _among(self, candidates: tuple[str, ...], name: Name) -> Value | None:
         found = (self._global(candidate, name) for candidate in candidates)
         return next((value for value in found if value is not None), None)
+
+    def _is_global(self, name: str) -> bool:
+        symbols = self.symbols
+        tables = (symbols.variables, symbols.enums, symbols.functions, self.functions)
+        return name in self._globals or any(name in table for table in tables)
 
     def _made_by(self, name: Name, frame: Frame) -> Value:
         if name.id in PLACEHOLDERS:

@@ -29,10 +29,13 @@ def _score(function: Function, arguments: Arguments) -> tuple[bool, bool, int]:
     varied = any(param.kind != "plain" for param in function.params)
     fits = least <= count and (count <= most or varied)
     pairs = zip(function.params, arguments.values, strict=False)
-    return fits, function.body is not None, sum(_match(param, value) for param, value in pairs)
+    matches = sum(_match(param, value, function.template) for param, value in pairs)
+    return fits, function.body is not None, matches
 
 
-def _match(param: Param, value: Value) -> int:
+def _match(param: Param, value: Value, template: tuple[str, ...]) -> int:
+    if param.type is not None and param.type.name in template:
+        return 1
     if param.type is None or isinstance(value, (Hole, Choice)):
         return 0
     last = param.type.name.rpartition("::")[2]

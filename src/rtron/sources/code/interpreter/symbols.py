@@ -59,6 +59,10 @@ class Symbols:
     units: dict[Path, Unit] = field(default_factory=dict)
     _plain: dict[str, list[Function]] = field(default_factory=dict)
     _methods: dict[str, list[str]] = field(default_factory=dict)
+    _candidates: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
+    _followed: dict[tuple[TypeRef, str], TypeRef] = field(default_factory=dict)
+    _meant: dict[tuple[str, str], Class | None] = field(default_factory=dict)
+    version: int = 0
     _sought: set[tuple[str, str]] = field(default_factory=set)
 
     def load(self, path: Path) -> None:
@@ -106,8 +110,14 @@ class Symbols:
         """Return the names of the methods defined for a class."""
         return self._methods.get(cls, [])
 
-    def candidates(self, name: str, scope: str) -> Iterator[str]:
-        """Yield the qualified names that a name may mean in a namespace or class, nearest first."""
+    def candidates(self, name: str, scope: str) -> tuple[str, ...]:
+        """Return the qualified names that a name may mean in a namespace or class, nearest first."""
+        key = name, scope
+        if key not in self._candidates:
+            self._candidates[key] = tuple(dict.fromkeys(self._candidates_of(name, scope)))
+        return self._candidates[key]
+
+    def _candidates_of(self, name: str, scope: str) -> Iterator[str]:
         if name.startswith("::"):
             yield name[2:]
             return
@@ -121,6 +131,12 @@ class Symbols:
 
     def type(self, type: TypeRef, scope: str) -> TypeRef:
         """Return a type with its typedefs and namespace aliases followed."""
+        key = type, scope
+        if key not in self._followed:
+            self._followed[key] = self._follow(type, scope)
+        return self._followed[key]
+
+    def _follow(self, type: TypeRef, scope: str) -> TypeRef:
         for _ in range(_MAX_ALIASES):
             known = self._aliased(type, scope)
             if known is None:
@@ -130,10 +146,11 @@ class Symbols:
 
     def class_named(self, name: str, scope: str) -> Class | None:
         """Return the scanned class that a name means."""
-        for candidate in self.candidates(name, scope):
-            if candidate in self.classes:
-                return self.classes[candidate]
-        return None
+        key = name, scope
+        if key not in self._meant:
+            found = (self.classes.get(candidate) for candidate in self.candidates(name, scope))
+            self._meant[key] = next(filter(None, found), None)
+        return self._meant[key]
 
     def _aliased(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
         for candidate in self.candidates(type.name, scope):
@@ -156,7 +173,14 @@ class Symbols:
                 return TypeRef(f"{found.name}::{rest}", type.args), ""
         return None
 
+    def _forget(self) -> None:
+        """Forget what names meant, since a file brings others."""
+        self.version += 1
+        for known in (self._candidates, self._followed, self._meant):
+            known.clear()  # type: ignore[attr-defined]
+
     def _take(self, unit: Unit) -> None:
+        self._forget()
         self.aliases.update(unit.aliases)
         self.enums.update(unit.enums)
         self.usings.extend(using for using in unit.usings if using not in self.usings)
@@ -166,6 +190,7 @@ class Symbols:
                 if member.static:
                     name = f"{definition.name}::{member.name}"
                     self._take_variable(replace(member, name=name), unit.file)
+        self._forget()
         for function in map(self._qualified, unit.functions):
             self.functions.setdefault(function.name, []).append(function)
             owner, _, plain = function.name.rpartition("::")

@@ -113,7 +113,7 @@ def is_kind(default: Value) -> bool:
     """Tell whether what is declared is a type alone: `rclcpp::PARAMETER_STRING`."""
     name = default.name if isinstance(default, Foreign) else ""
     name = default.why if isinstance(default, Hole) else name
-    return "PARAMETER_" in name or "Parameter.Type" in name
+    return "PARAMETER_" in name or "Parameter.Type" in name or "get_type" in name
 
 
 def _marked(value: Value) -> Value:
