@@ -61,25 +61,41 @@ API = frozenset(
         "SimpleActionServer<>",
     ]
 )
-API2 = frozenset(
+_BOTH = frozenset(
     [
         *("create_publisher", "create_subscription", "create_service", "create_client"),
         *("create_generic_publisher", "create_generic_subscription", "create_generic_client"),
-        *("create_server", "create_sub_node", "Node", "LifecycleNode", "rclcpp::Node"),
-        *("create_camera_publisher", "create_camera_subscription", "ImageTransport"),
-        *("advertise", "advertiseCamera", "subscribe", "subscribeCamera", "Subscriber"),
-        *("TransformListener", "TransformBroadcaster", "StaticTransformBroadcaster", "Buffer"),
-        *("ActionServer", "ActionClient", "Updater", "Bond", "InteractiveMarkerServer"),
-        *("createSharedInstance", "createUniqueInstance", "createUnmanagedInstance"),
-        *("createInstance", "configure", "activate", "registerFromPlugin", "registerNodeType"),
-        *("declare_parameter", "declare_parameters", "CameraInfoManager", "SubscriberFilter"),
-        *("wait_for_message", "ParameterEventHandler", "AsyncParametersClient"),
-        *("SyncParametersClient", "system", "Popen", "popen", "check_call", "create_node"),
+        *("TransformListener", "TransformBroadcaster", "StaticTransformBroadcaster"),
+        *("declare_parameter", "declare_parameters", "wait_for_message", "system", "Updater"),
+        *("subscribe", "advertise", "configure"),
     ]
 )
+API2_CPP = _BOTH | {
+    *("create_server", "create_sub_node", "rclcpp::Node", "rclcpp_lifecycle::LifecycleNode"),
+    *("create_camera_publisher", "create_camera_subscription", "advertiseCamera"),
+    *("subscribeCamera", "SubscriberFilter", "message_filters::Subscriber", "bond::Bond"),
+    *("createSharedInstance", "createUniqueInstance", "createUnmanagedInstance"),
+    *("registerFromPlugin", "registerNodeType", "registerBuilder", "InteractiveMarkerServer"),
+    *("CameraInfoManager", "ParameterEventHandler", "AsyncParametersClient"),
+    *("SyncParametersClient", "popen"),
+}
 """The same for ROS 2; parameters decide names there, so declaring one counts."""
+API2_PYTHON = _BOTH | {
+    *("ActionServer", "ActionClient", "Subscriber", "Node", "LifecycleNode", "create_node"),
+    *("Buffer", "Popen", "check_call", "create_sub_node", "ParameterEventHandler"),
+}
+_OF_CONTAINERS = frozenset(
+    [
+        *("get", "size", "begin", "end", "empty", "push_back", "emplace_back", "emplace", "clear"),
+        *("front", "back", "at", "find", "insert", "erase", "c_str", "str", "reset", "lock"),
+        *("count", "swap", "data", "resize", "reserve", "value", "load", "store", "what"),
+    ]
+)
+"""Called of containers and pointers, most often: that a class has one says nothing."""
 MAX_RUNS = 400
 MAX_STEPS = 100_000
+MAX_STEPS_2 = 400_000
+"""A lifecycle node of ROS 2 makes all that it has in one callback."""
 
 
 def run_pending(machine: Machine) -> None:
@@ -96,7 +112,7 @@ def _run(machine: Machine, waiting: FunctionValue) -> None:
     function = waiting.function
     place = Evidence(file=function.file, line=function.line)
     try:
-        with machine.budget(MAX_STEPS):
+        with machine.budget(MAX_STEPS if machine.recorder.site.ros == 1 else MAX_STEPS_2):
             dispatch(machine, waiting, Arguments(frame=Frame(file=function.file)))
     except StepsExceededError:
         machine.recorder.unresolved(function.name, "too large to be run whole", place)
@@ -163,8 +179,14 @@ def joins_nodes(machine: Machine, function: Function) -> bool:
 
 
 def _joins_nodes(machine: Machine, function: Function) -> bool:
-    api = API if machine.recorder.site.ros == 1 else API2
+    api = _api(machine)
     return any(called_words(reached) & api for reached in _reached(machine, [function]))
+
+
+def _api(machine: Machine) -> frozenset[str]:
+    if machine.recorder.site.ros == 1:
+        return API
+    return API2_CPP if machine.world.by_reference else API2_PYTHON
 
 
 def changed_at_any_time(machine: Machine) -> frozenset[str]:
@@ -176,13 +198,15 @@ def changed_at_any_time(machine: Machine) -> frozenset[str]:
 def _reached(machine: Machine, queue: list[Function]) -> Iterator[Function]:
     """Yield functions and what they may call, by plain names."""
     seen: set[tuple[str, int, str]] = set()
+    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else _OF_CONTAINERS
     while queue:
         current = queue.pop()
         if _key(current) in seen:
             continue
         seen.add(_key(current))
         yield current
-        queue.extend(o for word in called_words(current) for o in machine.world.named(word))
+        words = called_words(current) - left_out
+        queue.extend(other for word in words for other in machine.world.named(word))
 
 
 def _has_unknown_base(machine: Machine, instance: Instance) -> bool:

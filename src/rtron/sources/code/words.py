@@ -74,8 +74,10 @@ def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
             yield from _called(current.function)
         elif isinstance(current, New):
             yield current.type.name.rpartition("::")[2]
+            yield current.type.name
         elif isinstance(current, TypeRef):
             yield current.name.rpartition("::")[2]
+            yield current.name
 
 
 def _called(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression

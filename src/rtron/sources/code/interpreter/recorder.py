@@ -1,6 +1,6 @@
 """Collects what a program declares while it is interpreted."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.sources.code.interpreter.values import (
@@ -25,6 +25,7 @@ from rtron.vocabulary import Evidence, QoS, Resolution, Unresolved
 from rtron.vocabulary.launch import resolve_name
 
 MAX_DECLARATIONS = 2000
+MAX_PLACES = 24
 
 
 @dataclass(slots=True)
@@ -103,7 +104,10 @@ class Recorder:
         if self.muted or len(self._declarations) >= MAX_DECLARATIONS:
             return
         key = (declared.kind, declared.name, declared.type, declared.node)
-        self._declarations.setdefault(key, declared)
+        known = self._declarations.setdefault(key, declared)
+        if known is not declared and declared.node and len(known.evidence) < MAX_PLACES:
+            places = dict.fromkeys((*known.evidence, *declared.evidence))
+            self._declarations[key] = replace(known, evidence=tuple(places))
 
 
 def _resolution(name: Value) -> Resolution:

@@ -35,7 +35,7 @@ def _create(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
     base = owner.fields.get("base", _UNKNOWN)
     found: dict[str, Value] = {}
     for option in options(arguments.get(0) or _UNKNOWN):
-        names = _meant(machine, option, base)
+        names = _meant(machine, option, base, arguments)
         if not names and not machine.recorder.site.complete:
             continue
         for name in names or [option]:
@@ -60,12 +60,19 @@ def _load(
         machine.recorder.unresolved(what, "its source is not found", arguments.evidence)
 
 
-def _meant(machine: Machine, name: Value, base: Value) -> list[Value]:
-    """Return the plugins that a name may mean: all of the base where no launch is known."""
+def _meant(machine: Machine, name: Value, base: Value, at: Arguments) -> list[Value]:
+    """Return the plugins that a name may mean: all of the base where no launch is known.
+
+    These are taken once for each place: a plugin may load plugins of its own kind.
+    """
     if isinstance(name, Known):
         return [name]
     if machine.recorder.site.complete or not isinstance(base, Known):
         return []
+    place = (at.evidence.file, at.evidence.line, f"plugins of {base.value}")
+    if place in machine.ran:
+        return []
+    machine.ran.add(place)
     return [Known(one, tainted=True) for one in machine.world.files.plugins(str(base.value))]
 
 

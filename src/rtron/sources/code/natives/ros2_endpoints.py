@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
-from rtron.sources.code.interpreter.values import Hole, Known, Value, options, spelled, truth
+from rtron.sources.code.interpreter.values import Hole, Known, Value, join, options, spelled, truth
 from rtron.sources.code.natives.ros2_nodes import NodeWords, name_of, record, resolved
 from rtron.sources.code.natives.ros2_parameters import declared
 from rtron.sources.code.natives.ros2_qos import DEFAULT, PROFILES
@@ -54,7 +54,7 @@ def declare(
     implicit: bool = False,
 ) -> Value:
     """Record a name of a node, and return it as it resolves there."""
-    full = resolved(node, name)
+    full = resolved(node, _named(name))
     places = tuple(chain(at, name)) if name is not None else (at.evidence,)
     for owner in options(name_of(node)):
         machine.recorder.declare(
@@ -68,6 +68,12 @@ def declare(
             qos=qos,
         )
     return full
+
+
+def _named(name: Value | None) -> Value | None:
+    """Return a name without the options that cannot be one: rcl refuses an empty name."""
+    found = [option for option in options(name) if getattr(option, "value", None) != ""]
+    return join(found) if found else name
 
 
 def typed(kind: DeclarationKind, type: str) -> str:

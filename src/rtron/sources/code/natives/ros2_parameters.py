@@ -96,7 +96,17 @@ def _overridden(machine: Machine, node: Value, name: Value, default: Value | Non
     if default is None or is_kind(default):
         return hole
     marked = _marked(default)
-    return marked if found is None and machine.recorder.site.complete else join((marked, hole))
+    if found is None and machine.recorder.site.complete:
+        return marked
+    return _with_one_more(marked, hole) or join((marked, hole))
+
+
+def _with_one_more(value: Value, hole: Hole) -> Value | None:
+    """Return a list with one item that stands for all others that a launch may give."""
+    if not isinstance(value, ListValue):
+        return None
+    more = Hole(f"{hole.why}[]", tainted=True)
+    return ListValue({**value.fields, "items": (*value.items, more)}, value.kind)
 
 
 def _known(machine: Machine, node: Value, name: Value) -> Value | None:
