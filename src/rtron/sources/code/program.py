@@ -15,6 +15,7 @@ from rtron.sources.code.interpreter.python_world import PythonWorld
 from rtron.sources.code.interpreter.recorder import Recorder
 from rtron.sources.code.interpreter.statements import EXECUTORS
 from rtron.sources.code.interpreter.symbols import Symbols
+from rtron.sources.code.interpreter.trail import Trail
 from rtron.sources.code.interpreter.values import (
     ClassValue,
     FunctionValue,
@@ -175,6 +176,7 @@ def _machine(world: World, site: NodeSite, volatile: frozenset[str]) -> Machine:
         executors=dict(EXECUTORS),
         volatile=volatile,
         matters=joins_nodes,
+        trail=Trail(elementwise=site.ros > 1),
     )
 
 

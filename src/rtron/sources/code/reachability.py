@@ -128,6 +128,9 @@ def _waiting(machine: Machine) -> Iterator[FunctionValue]:
         machine.called_back += 1
         if joins_nodes(machine, callback.function):
             yield callback
+    for handed in machine.handed:
+        if _counts(machine, handed.function):
+            yield handed
     yield from _called(machine)
     for instance in list(machine.instances):
         if isinstance(instance, Instance):

@@ -27,6 +27,7 @@ PREDEFINED = """
 #define QT_VERSION_CHECK(a, b, c) ((a << 16) | (b << 8) | (c))
 #define PCL_VERSION_COMPARE(operation, a, b, c) (10801 operation (a * 10000 + b * 100 + c))
 #define EIGEN_VERSION_AT_LEAST(a, b, c) 1
+#define RCLCPP_VERSION_GTE(a, b, c) 1
 #define __attribute__(x)
 #define __declspec(x)
 #define __restrict__

@@ -50,7 +50,7 @@ class CppCalls(CppTypes):
         )
         for at, param in enumerate(function.params):
             place = passed.place(at)
-            if param.reference and place is not None:
+            if param.reference and place is not None and place.key != "this":
                 frame.aliases[param.name] = place
             elif not param.reference and param.kind == "plain":
                 value = frame.variables[param.name]

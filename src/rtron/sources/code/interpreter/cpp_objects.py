@@ -89,13 +89,18 @@ class CppObjects(CppCalls):
         """Take in the sources of a plugin: those that name its class first, the others if need be."""
         sources = found.sources
         if self.symbols.everywhere:
-            sources = self.files.naming(sources, found.cls.rpartition("::")[2])
+            sources = self.files.naming(sources, found.cls.partition("<")[0].rpartition("::")[2])
         for source in sources:
             self.symbols.load(source)
-        cls = self.class_named(found.cls)
+        cls = self._aliased_class(found.cls)
         for source in found.sources if cls is None else ():
             self.symbols.load(source)
-        return cls or self.class_named(found.cls)
+        return cls or self._aliased_class(found.cls)
+
+    def _aliased_class(self, name: str) -> ClassValue | None:
+        """Return a class by its name, `using Plugin = Template<T>` followed."""
+        found = self.class_of(TypeRef(name.partition("<")[0].strip()), Frame(file=""))
+        return found if isinstance(found, ClassValue) else None
 
     def default(
         self, type: TypeRef | None, frame: Frame, *, pointer: bool = False, line: int = 0
@@ -177,8 +182,9 @@ class CppObjects(CppCalls):
         chosen = choose(constructors, arguments)
         frame = self.frame(FunctionValue(chosen, owner=made, cls=cls), arguments)
         initialisers = dict(chosen.initialisers)
-        if plain in initialisers:
-            self._delegated(made, cls, self._given_to(initialisers[plain], frame), chosen)
+        own = next((key for key in initialisers if _is_own(key, cls)), None)
+        if own is not None:
+            self._delegated(made, cls, self._given_to(initialisers[own], frame), chosen)
         else:
             self._members(made, cls, initialisers, frame)
         self.machine.run(chosen, frame)
@@ -254,6 +260,11 @@ class CppObjects(CppCalls):
         values = tuple(item_at(self.machine.evaluate(arg, frame)) for arg in node.args)
         places = tuple(place_of(self.machine, arg, frame) for arg in node.args)
         return Arguments(values=values, places=places, line=node.line, frame=frame)
+
+
+def _is_own(name: str, cls: ClassValue) -> bool:
+    """Tell whether an initialiser names the class itself: another constructor runs first."""
+    return f"::{cls.name}".endswith(f"::{name}")
 
 
 def _is_made(node: Expr) -> bool:

@@ -23,6 +23,7 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Text,
     Value,
+    each,
     is_text,
 )
 from rtron.sources.code.ir import (
@@ -36,6 +37,9 @@ from rtron.sources.code.ir import (
 from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
 from rtron.sources.code.natives.cpp_std import CONSTANTS, PARAMETER_KIND, PLACEHOLDERS, kind_of
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
+
+
+_MAKERS = frozenset({"make_shared", "make_unique"})
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
@@ -85,7 +89,7 @@ class CppWorld(CppObjects):
         if isinstance(owner, Instance):
             target = item_at(owner)
             if target is not owner and not name.startswith("operator"):
-                return self.attribute(target, name, types)
+                return each(target, lambda one: self.attribute(one, name, types) or Hole(name))
             return self._of_instance(owner, name, types)
         if name == "getType":
             return Native(name, kind_of, owner)
@@ -210,7 +214,13 @@ class CppWorld(CppObjects):
             return PLACEHOLDERS[name.id]
         if name.id.startswith(PARAMETER_KIND):
             return Known(name.id.removeprefix(PARAMETER_KIND))
-        return self._type_value(TypeRef(name.id, name.types), frame) or Foreign(name.id)
+        made = self._type_value(TypeRef(name.id, name.types), frame)
+        return made or self._maker(name, frame) or Foreign(name.id)
+
+    def _maker(self, name: Name, frame: Frame) -> Value | None:
+        """`Class::make_shared(…)`, which rclcpp gives its classes (rclcpp/macros.hpp)."""
+        cls, _, last = name.id.rpartition("::")
+        return self._type_value(TypeRef(cls), frame) if cls and last in _MAKERS else None
 
     def _global(self, name: str, node: Name) -> Value | None:
         if name in self._globals:

@@ -37,6 +37,7 @@ from rtron.sources.code.natives.ros2_parameters import OVERRIDES
 
 _UNKNOWN = Hole("?")
 _ARGUMENTS, _GLOBALLY, _GIVEN = "options.arguments", "options.globally", "options.overrides"
+_OPTIONS = "node.options"
 _SERVICES, _AUTOMATIC = "options.services", "options.automatic"
 _FLAGS = {
     "use_global_arguments": _GLOBALLY,
@@ -79,6 +80,7 @@ def make_node(machine: Machine, arguments: Arguments, *, lifecycle: bool = False
     chosen = given[0] if given else make_options(machine, Arguments(frame=arguments.frame))
     words = _words(arguments, chosen)
     fields = {NAME: full_name(machine, words), SUB: Known("")}
+    fields |= {_OPTIONS: chosen}
     fields |= {OVERRIDES: _overrides(chosen), "node.automatic": chosen.fields[_AUTOMATIC]}
     made = Instance(LIFECYCLE_NODE if lifecycle else NODE, fields)
     _join(machine, made, words, chosen, arguments)
@@ -130,6 +132,12 @@ def _effective(_: Machine, owner: Instance, __: Arguments) -> Value:
     return namespace_at(owner) if sub == Known("") else resolved(owner, Known("")) or sub
 
 
+def _own_options(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+    given = owner.fields.get(_OPTIONS)
+    values = (given,) if given is not None else ()
+    return make_options(machine, Arguments(values=values, frame=arguments.frame))
+
+
 def _field(field: str, _: Machine, owner: Instance, arguments: Arguments) -> Value:
     del arguments
     return owner.fields.get(field, _UNKNOWN)
@@ -165,6 +173,7 @@ NODE_METHODS: Mapping[str, Callable[..., Value]] = {
     "get_sub_namespace": partial(_field, SUB),
     "get_effective_namespace": _effective,
     "create_sub_node": _sub_node,
+    "get_node_options": _own_options,
 }
 NODE = NativeClass("rclcpp::Node", make_node, dict(NODE_METHODS))
 LIFECYCLE_NODE = NativeClass(

@@ -1,5 +1,6 @@
 """pluginlib in ROS 2: classes that are loaded by a name, most often a parameter's value."""
 
+import re
 from collections.abc import Mapping
 
 from rtron.sources.code.interpreter.arguments import Arguments
@@ -14,6 +15,7 @@ from rtron.sources.code.interpreter.values import (
     Value,
     join,
     options,
+    parts_of,
     spelled,
 )
 from rtron.sources.code.natives.cpp import cpp
@@ -40,7 +42,7 @@ def _create(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
             continue
         for name in names or [option]:
             _load(machine, name, base, arguments, found)
-    if not found:
+    if not found and (machine.recorder.site.complete or not isinstance(base, Known)):
         what = f"plugin {spelled(arguments.get(0) or _UNKNOWN)}"
         machine.recorder.unresolved(what, "its source is not found", arguments.evidence)
     return join(found.values()) if found else Hole("plugin")
@@ -73,7 +75,11 @@ def _meant(machine: Machine, name: Value, base: Value, at: Arguments) -> list[Va
     if place in machine.ran:
         return []
     machine.ran.add(place)
-    return [Known(one, tainted=True) for one in machine.world.files.plugins(str(base.value))]
+    form = re.compile(
+        "".join(re.escape(p) if isinstance(p, str) else ".*" for p in parts_of(name))
+    )
+    names = filter(form.fullmatch, machine.world.files.plugins(str(base.value)))
+    return [Known(one, tainted=True) for one in names]
 
 
 def _available(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
