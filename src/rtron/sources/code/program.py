@@ -33,6 +33,7 @@ from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, command_li
 from rtron.sources.code.natives.python_ros import PYTHON_ROS
 from rtron.sources.code.natives.rclcpp import RCLCPP_CLASSES, RCLCPP_CONSTANTS, RCLCPP_FUNCTIONS
 from rtron.sources.code.natives.rclcpp_node import make_options
+from rtron.sources.code.natives.rclpy import rclpy_natives
 from rtron.sources.code.reachability import changed_at_any_time, joins_nodes, run_pending
 from rtron.sources.code.unreached import JOINS, note_unreached
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -41,20 +42,33 @@ from rtron.vocabulary import Evidence
 _PIECE = "cannot be read: "
 
 
-def run_python(script: Path, site: NodeSite, files: Files) -> NodeInterface:
-    """Return what a Python script declares when it runs as the node at `site`."""
+def run_python(
+    script: Path, site: NodeSite, files: Files, function: str = ""
+) -> NodeInterface:
+    """Return what a Python script declares when it runs as the node at `site`.
+
+    With `function` it is a module of which that function is called (an entry point).
+    """
 
     def run(volatile: frozenset[str]) -> Machine:
-        world = PythonWorld(
-            files=files, natives={**PYTHON_ROS, **PYTHON_LIBRARY}, builtins=BUILTINS
-        )
+        ros = PYTHON_ROS if site.ros == 1 else rclpy_natives()
+        world = PythonWorld(files=files, natives={**ros, **PYTHON_LIBRARY}, builtins=BUILTINS)
         machine = _machine(world, site, volatile)
         world.machine = machine
         world.natives = {**world.natives, **constants(machine)}
-        _bounded(machine, script, lambda: world.run(script, "__main__"))
+        _bounded(machine, script, lambda: _run_script(world, script, function))
         return machine
 
     return _settled(run)
+
+
+def _run_script(world: PythonWorld, script: Path, function: str) -> None:
+    if not function:
+        world.run(script, "__main__")
+        return
+    module = world.run(script, script.stem)
+    called = module.fields.get(function) or Hole(function)
+    dispatch(world.machine, called, Arguments(frame=Frame(file=str(script))))
 
 
 def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: Files) -> NodeInterface:

@@ -25,7 +25,7 @@ class TaskKind(Word):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """A program's sources, macros and the node it runs as; `cls` is a nodelet's or component's class."""
+    """A program's sources, macros and the node it runs as; `cls` is a nodelet's or component's class, or the function that is a Python program's entry."""
 
     kind: TaskKind
     sources: tuple[Path, ...]
@@ -63,7 +63,7 @@ def _run(task: Task, files: Files) -> NodeInterface:
     if task.kind is TaskKind.SHELL:
         return read_shell(task.sources[0])
     if task.kind is TaskKind.PYTHON:
-        return run_python(task.sources[0], task.site, files)
+        return run_python(task.sources[0], task.site, files, task.cls)
     if task.kind is TaskKind.COMPONENT:
         return run_component(task.sources, task.cls, task.site, files)
     if task.kind is TaskKind.NODELET:
