@@ -102,10 +102,24 @@ def run_pending(machine: Machine) -> None:
     """Run what was handed to a library, and the methods that an unknown base class may call."""
     for _ in range(MAX_RUNS):
         waiting = next(_waiting(machine), None)
-        if waiting is None:
+        if waiting is None and not machine.deferred:
             return
+        if waiting is None:
+            _make_deferred(machine)
+            continue
         machine.ran.add(_key(waiting.function))
         _run(machine, waiting)
+
+
+def _make_deferred(machine: Machine) -> None:
+    """Make what a library makes once the program is set up."""
+    make = machine.deferred.pop(0)
+    try:
+        with machine.budget(MAX_STEPS):
+            make()
+    except (StepsExceededError, ThrownError) as error:
+        what = f"what a library makes: {type(error).__name__}"
+        machine.recorder.unresolved(what, "not all of it is run", Evidence(file=""))
 
 
 def _run(machine: Machine, waiting: FunctionValue) -> None:

@@ -13,6 +13,7 @@ from rtron.sources.code.defining import defining, naming
 from rtron.sources.code.python import lower_python
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_inside
+from rtron.sources.workspace.package import TargetKind
 
 MAX_DATA = 2**20
 
@@ -77,6 +78,18 @@ class WorkspaceFiles:
     def plugins(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class."""
         return tuple(found.name for found in self.workspace.plugins(base))
+
+    def library(self, name: str) -> tuple[Path, ...]:
+        """Return the sources of the library that a file name means."""
+        found = self.workspace.library(name)
+        return found.sources if found is not None else ()
+
+    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+        """Return the sources of each library that has a word in one of them."""
+        packages = (self.workspace.contents(package) for package in self.workspace.packages)
+        targets = (target for contents in packages if contents for target in contents.targets)
+        libraries = [target.sources for target in targets if target.kind is TargetKind.LIBRARY]
+        return tuple(sources for sources in libraries if naming(sources, word))
 
     def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""

@@ -112,6 +112,14 @@ class WatchedFiles:
         """Return the names of all plugins of a base class."""
         return self.files.plugins(base)
 
+    def library(self, name: str) -> tuple[Path, ...]:
+        """Return the sources of the library that a file name means."""
+        return self.files.library(name)
+
+    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+        """Return the sources of each library that has a word in one of them."""
+        return self.files.libraries_naming(word)
+
     def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""
         return self.files.naming(sources, word)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
@@ -84,6 +85,13 @@ class CppObjects(CppCalls):
             return None
         cls = self._taken_in(found)
         return self.constructed(cls, Arguments(frame=arguments.frame), ()) if cls else None
+
+    def taken_in(self, sources: tuple[Path, ...], name: str) -> tuple[Function, ...]:
+        """Take in sources, and return the functions of a name that they define."""
+        for source in sources:
+            self.symbols.load(source)
+        ours = set(map(str, sources))
+        return tuple(f for f in self.symbols.functions.get(name, ()) if f.file in ours)
 
     def _taken_in(self, found: Plugin) -> ClassValue | None:
         """Take in the sources of a plugin: those that name its class first, the others if need be."""

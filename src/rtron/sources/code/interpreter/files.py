@@ -48,6 +48,14 @@ class Files(Protocol):
         """Return the names of all plugins of a base class."""
         ...
 
+    def library(self, name: str) -> tuple[Path, ...]:
+        """Return the sources of the library that a file name means."""
+        ...
+
+    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+        """Return the sources of each library that has a word in one of them."""
+        ...
+
     def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""
         ...

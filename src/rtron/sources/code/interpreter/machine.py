@@ -74,6 +74,7 @@ class Machine:
     executors: dict[type, Callable[["Machine", "Stmt", Frame], Outcome]]
     trail: Trail = field(default_factory=Trail)
     pending: list[FunctionValue] = field(default_factory=list)
+    deferred: list[Callable[[], object]] = field(default_factory=list)
     handed: list[FunctionValue] = field(default_factory=list)
     escaped: list[Function] = field(default_factory=list)
     called_back: int = 0

@@ -111,6 +111,10 @@ class Cpp(World, Protocol):
         """Return a method named by `&Class::method`, bound to an object of that class."""
         ...
 
+    def taken_in(self, sources: tuple[object, ...], name: str) -> tuple[Function, ...]:
+        """Take in sources, and return the functions of a name that they define."""
+        ...
+
     def plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
         """Make the object of a plugin, its library's sources taken in first."""
         ...

@@ -9,6 +9,7 @@ from rtron.sources.code.natives.rclcpp_node import NODE_CLASSES
 from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_CLASSES
 from rtron.sources.code.natives.rclcpp_plugins import PLUGIN_CLASSES
 from rtron.sources.code.natives.rclcpp_qos import QOS_CLASSES, QOS_CONSTANTS, QOS_FUNCTIONS
+from rtron.sources.code.natives.rclcpp_trees import TREE_CLASSES, TREE_FUNCTIONS
 
 RCLCPP_CLASSES: dict[str, NativeClass] = {
     **NODE_CLASSES,
@@ -17,6 +18,7 @@ RCLCPP_CLASSES: dict[str, NativeClass] = {
     **LIBRARY_CLASSES,
     **IMAGE_CLASSES,
     **PLUGIN_CLASSES,
+    **TREE_CLASSES,
 }
 RCLCPP_FUNCTIONS = {
     name: Native(name, call)
@@ -25,6 +27,7 @@ RCLCPP_FUNCTIONS = {
         **IMAGE_FUNCTIONS,
         **QOS_FUNCTIONS,
         **FUNCTIONS,
+        **TREE_FUNCTIONS,
     }.items()
 }
 RCLCPP_CONSTANTS: dict[str, Value] = dict(QOS_CONSTANTS)
