@@ -34,7 +34,12 @@ from rtron.sources.code.natives.python_ros import PYTHON_ROS
 from rtron.sources.code.natives.rclcpp import RCLCPP_CLASSES, RCLCPP_CONSTANTS, RCLCPP_FUNCTIONS
 from rtron.sources.code.natives.rclcpp_node import make_options
 from rtron.sources.code.natives.rclpy import rclpy_natives
-from rtron.sources.code.reachability import changed_at_any_time, joins_nodes, run_pending
+from rtron.sources.code.reachability import (
+    changed_at_any_time,
+    joins_nodes,
+    run_pending,
+    run_transitions,
+)
 from rtron.sources.code.unreached import JOINS, note_unreached
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence
@@ -198,6 +203,7 @@ def _bounded(machine: Machine, path: Path, run: Callable[[], object]) -> None:
     """Run a program and what it leaves to be called; what does not end is noted."""
     _part(machine, path, run)
     if machine.recorder.site.ros > 1:
+        _part(machine, path, partial(run_transitions, machine))
         machine.volatile = changed_at_any_time(machine)
     _part(machine, path, partial(run_pending, machine))
 

@@ -98,6 +98,13 @@ MAX_STEPS_2 = 400_000
 """A lifecycle node of ROS 2 makes all that it has in one callback."""
 
 
+def run_transitions(machine: Machine) -> None:
+    """Run the virtual methods that a library calls of a program's objects, before anything else."""
+    for waiting in _called(machine):
+        machine.ran.add(_key(waiting.function))
+        _run(machine, waiting)
+
+
 def run_pending(machine: Machine) -> None:
     """Run what was handed to a library, and the methods that an unknown base class may call."""
     for _ in range(MAX_RUNS):

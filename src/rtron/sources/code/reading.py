@@ -1,5 +1,6 @@
 """The workspace as the interpreter sees it: files lowered once, headers and modules found."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,6 +17,7 @@ from rtron.sources.workspace.files import is_inside
 from rtron.sources.workspace.package import TargetKind
 
 MAX_DATA = 2**20
+_TESTING = re.compile("(^|_)tests?($|_)")
 
 
 @dataclass(eq=False, slots=True)
@@ -76,8 +78,10 @@ class WorkspaceFiles:
         return Plugin(found.declared.type, found.program.sources)
 
     def plugins(self, base: str) -> tuple[str, ...]:
-        """Return the names of all plugins of a base class."""
-        return tuple(found.name for found in self.workspace.plugins(base))
+        """Return the names of all plugins of a base class, but for those of packages for tests."""
+        found = self.workspace.plugins(base)
+        names = (one.name for one in found if not _TESTING.search(one.package))
+        return tuple(dict.fromkeys(names))
 
     def library(self, name: str) -> tuple[Path, ...]:
         """Return the sources of the library that a file name means."""

@@ -137,12 +137,18 @@ class Symbols:
         return self._followed[key]
 
     def _follow(self, type: TypeRef, scope: str) -> TypeRef:
-        for _ in range(_MAX_ALIASES):
+        for at in range(_MAX_ALIASES):
             known = self._aliased(type, scope)
             if known is None:
-                return type
+                return self._full(type, scope) if at else type
             type, scope = known
         return type
+
+    def _full(self, type: TypeRef, scope: str) -> TypeRef:
+        """Return the type that an alias means by its full name, which holds in any scope."""
+        found = (name for name in self.candidates(type.name, scope) if name in self.classes)
+        name = next(found, None)
+        return type if name is None else TypeRef(name, type.args)
 
     def class_named(self, name: str, scope: str) -> Class | None:
         """Return the scanned class that a name means."""

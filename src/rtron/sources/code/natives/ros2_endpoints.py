@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
-from rtron.sources.code.interpreter.values import Hole, Known, Value, join, options, spelled, truth
+from rtron.sources.code.interpreter.values import Hole, Known, Text, Value, join, options, spelled, truth
 from rtron.sources.code.natives.ros2_nodes import NodeWords, name_of, record, resolved
 from rtron.sources.code.natives.ros2_parameters import declared
 from rtron.sources.code.natives.ros2_qos import DEFAULT, PROFILES
@@ -96,6 +96,8 @@ def chain(at: Arguments, name: Value) -> Iterator[Evidence]:
 def _is_same(value: Value, name: Value) -> bool:
     if value is name:
         return True
+    if isinstance(value, (Hole, Text)):
+        return value == name
     is_text = isinstance(value, Known) and isinstance(value.value, str)
     return is_text and isinstance(name, Known) and value.value == name.value  # type: ignore[union-attr]
 
