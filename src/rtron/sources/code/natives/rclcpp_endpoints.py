@@ -13,7 +13,6 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Value,
     is_text,
-    options,
 )
 from rtron.sources.code.natives import ros2_endpoints
 from rtron.sources.code.natives.cpp_arguments import (
@@ -37,14 +36,9 @@ def owned(owner: Value, arguments: Arguments) -> tuple[Instance | None, Argument
     if isinstance(owner, Instance) and is_node(owner):
         return owner, arguments
     count = 0
-    while count < len(arguments.values) and _may_be_node(arguments.values[count]):
+    while count < len(arguments.values) and node_among(arguments.values[count : count + 1]):
         count += 1
-    return node_among(arguments.values), arguments.shifted(count)
-
-
-def _may_be_node(value: Value) -> bool:
-    found = options(value)
-    return any(is_node(option) for option in found) or all(isinstance(o, Hole) for o in found)
+    return node_among(arguments.values), arguments.shifted(max(count, 1))
 
 
 def endpoint(kind: DeclarationKind, machine: Machine, owner: Value, arguments: Arguments) -> Value:

@@ -1,4 +1,4 @@
-"""image_transport of ROS 2 (docs.ros.org: image_transport, image_transport_plugins)."""
+"""image_transport of ROS 2, and point_cloud_transport (docs.ros.org)."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -40,6 +40,7 @@ def _endpoint(
     arguments: Arguments,
     *,
     camera: bool = False,
+    type: str = _IMAGE,
 ) -> Value:
     node, rest = owned(owner, arguments)
     escape_all(machine, rest)
@@ -53,8 +54,8 @@ def _endpoint(
         below_it = concat((name or Hole("?"), Known(f"/{chosen}")))
         ros2_endpoints.declare(machine, kind, node, below_it, TRANSPORTS[chosen], rest)
     else:
-        ros2_endpoints.declare(machine, kind, node, name, _IMAGE, rest)
-    if kind is _PUBLISH:
+        ros2_endpoints.declare(machine, kind, node, name, type, rest)
+    if kind is _PUBLISH and type == _IMAGE:
         _transports(machine, node, image, rest)
     if camera:
         info = each(image, lambda one: below(namespace_of(one), Known("camera_info")))
@@ -78,6 +79,12 @@ def _image_transport(_: Machine, arguments: Arguments) -> Value:
     """`image_transport::ImageTransport(node)`."""
     node = node_among(arguments.values)
     return Instance(_TRANSPORT, dict(node.fields) if node is not None else {})
+
+
+def _cloud_transport(_: Machine, arguments: Arguments) -> Value:
+    """`point_cloud_transport::PointCloudTransport(node)`."""
+    node = node_among(arguments.values)
+    return Instance(_CLOUDS, dict(node.fields) if node is not None else {})
 
 
 def _filter(machine: Machine, arguments: Arguments) -> Value:
@@ -109,13 +116,22 @@ _TRANSPORT = NativeClass(
         "subscribeCamera": _SORTS["camera_subscription"],
     },
 )
+_CLOUD = "sensor_msgs/msg/PointCloud2"
+_CLOUDS = NativeClass(
+    "point_cloud_transport::PointCloudTransport",
+    _cloud_transport,
+    {
+        "advertise": partial(_endpoint, _PUBLISH, type=_CLOUD),
+        "subscribe": partial(_endpoint, _SUBSCRIBE, type=_CLOUD),
+    },
+)
 _FILTER = NativeClass(
     "image_transport::SubscriberFilter",
     _filter,
     {"subscribe": _filter_subscribe, "registerCallback": take_callbacks},
 )
 IMAGE_CLASSES: Mapping[str, NativeClass] = {
-    native.name: native for native in (_TRANSPORT, _FILTER)
+    native.name: native for native in (_TRANSPORT, _CLOUDS, _FILTER)
 }
 IMAGE_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     f"image_transport::create_{sort}": call for sort, call in _SORTS.items()

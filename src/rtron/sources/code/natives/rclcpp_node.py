@@ -146,7 +146,7 @@ def _field(field: str, _: Machine, owner: Instance, arguments: Arguments) -> Val
 def _transition(callback: str, machine: Machine, owner: Instance, arguments: Arguments) -> Value:
     """`configure()` and its kin call what the class has for it."""
     method = machine.world.attribute(owner, callback, ())
-    if method is not None:
+    if method is not None and (id(owner), callback) not in machine.transitions:
         state = Arguments(values=(Hole("state"),), line=arguments.line, frame=arguments.frame)
         machine.transitions.add((id(owner), callback))
         dispatch(machine, method, state)
