@@ -1,4 +1,4 @@
-"""Places whose text is a call that joins nodes in ROS 2: found by their words, not by RTron's readers.
+"""Places whose text is a call that joins nodes in ROS 2, found by words, not by RTron's readers.
 
 C++ calls write out the type (`create_publisher<T>(`), which tells them from a wrapper's definition.
 Tests and rviz's panels are no node sources.

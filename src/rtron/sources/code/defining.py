@@ -16,7 +16,7 @@ _FUNCTION = re.compile(rb"^(?:[A-Za-z_][\w:<>,&* ]{0,200}[\s&*])?(\w+)\s*\(", re
 
 
 def defining(targets: Iterable[Target]) -> Mapping[str, tuple[Path, ...]]:
-    """Return, for each plain name of a class or function, the sources of libraries that may define it."""
+    """Return the sources of libraries that may define a class or function, by its plain name."""
     libraries = (target for target in targets if target.kind is TargetKind.LIBRARY)
     found: dict[str, list[Path]] = defaultdict(list)
     for path in dict.fromkeys(path for target in libraries for path in target.sources):

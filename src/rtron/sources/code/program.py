@@ -47,9 +47,7 @@ from rtron.vocabulary import Evidence
 _PIECE = "cannot be read: "
 
 
-def run_python(
-    script: Path, site: NodeSite, files: Files, function: str = ""
-) -> NodeInterface:
+def run_python(script: Path, site: NodeSite, files: Files, function: str = "") -> NodeInterface:
     """Return what a Python script declares when it runs as the node at `site`.
 
     With `function` it is a module of which that function is called (an entry point).
@@ -124,7 +122,9 @@ def run_component(
         found = world.class_named(cls)
         if found is None:
             place = Evidence(file=str(sources[0]) if sources else "")
-            machine.recorder.unresolved(f"component {cls}", "its class is not in the sources", place)
+            machine.recorder.unresolved(
+                f"component {cls}", "its class is not in the sources", place
+            )
         else:
             frame = Frame(file=found.definition.file)
             options = make_options(machine, Arguments(frame=frame))

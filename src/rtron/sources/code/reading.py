@@ -8,9 +8,9 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.bounded import read_bounded
 from rtron.sources.code.cpp import lower_cpp
+from rtron.sources.code.defining import defining, naming
 from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.ir import Language, Problem, Unit
-from rtron.sources.code.defining import defining, naming
 from rtron.sources.code.python import lower_python
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_inside
@@ -100,7 +100,7 @@ class WorkspaceFiles:
         return naming(sources, word)
 
     def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
-        """Return the sources of a header's package that may define a class's methods, or a function."""
+        """Return the sources of a header's package that may define a class or function."""
         package = self.workspace.package_of(header)
         if package is None:
             return ()

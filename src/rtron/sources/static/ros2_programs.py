@@ -45,7 +45,11 @@ def default_site(name: str) -> NodeSite:
 
 
 def _of_package(workspace: Workspace, package: str) -> Iterator[Task]:
-    tasks = [task for name in _executables(workspace, package) for task in _default(workspace, package, name)]
+    tasks = [
+        task
+        for name in _executables(workspace, package)
+        for task in _default(workspace, package, name)
+    ]
     yield from tasks
     contents = workspace.contents(package)
     made = {path for task in tasks if task.kind is TaskKind.CPP for path in task.sources}

@@ -25,7 +25,10 @@ class TaskKind(Word):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """A program's sources, macros and the node it runs as; `cls` is a nodelet's or component's class, or the function that is a Python program's entry."""
+    """A program's sources, macros and the node it runs as.
+
+    `cls` is a nodelet's or component's class, or the function that a Python module is entered by.
+    """
 
     kind: TaskKind
     sources: tuple[Path, ...]

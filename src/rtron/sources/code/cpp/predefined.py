@@ -81,7 +81,7 @@ PREDEFINED = """
 #define PLUGINLIB_REGISTER_CLASS(name, type, base) PLUGINLIB_EXPORT_CLASS(type, base)
 #define CLASS_LOADER_REGISTER_CLASS(type, base) PLUGINLIB_EXPORT_CLASS(type, base)
 #define RCLCPP_COMPONENTS_REGISTER_NODE(type) using PLUGINLIB_EXPORT_CLASS = exported<type>;
-#define BT_REGISTER_NODES(factory) void BT_RegisterNodesFromPlugin(BT::BehaviorTreeFactory & factory)
+#define BT_REGISTER_NODES(name) void BT_RegisterNodesFromPlugin(BT::BehaviorTreeFactory & name)
 #define GZ_REGISTER_MODEL_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::ModelPlugin)
 #define GZ_REGISTER_WORLD_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::WorldPlugin)
 #define GZ_REGISTER_SENSOR_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::SensorPlugin)

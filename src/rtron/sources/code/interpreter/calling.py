@@ -71,7 +71,7 @@ def _dispatch_each(machine: Machine, called: Choice, arguments: Arguments) -> Va
     for option in called.options:
         try:
             found.append(dispatch(machine, option, arguments))
-        except ThrownError as error:
+        except ThrownError as error:  # noqa: PERF203 - the others are called all the same
             thrown = error
     if thrown is not None and not found:
         raise thrown

@@ -94,7 +94,7 @@ class CppObjects(CppCalls):
         return tuple(f for f in self.symbols.functions.get(name, ()) if f.file in ours)
 
     def _taken_in(self, found: Plugin) -> ClassValue | None:
-        """Take in the sources of a plugin: those that name its class first, the others if need be."""
+        """Take in a plugin's sources: those that name its class, the others only if need be."""
         sources = found.sources
         if self.symbols.everywhere:
             sources = self.files.naming(sources, found.cls.partition("<")[0].rpartition("::")[2])

@@ -181,10 +181,15 @@ class CppTypes:
             known = self._overloads[name] = (self.symbols.version, found)
         return known[1]
 
+    def _sought(self, functions: list[Function]) -> bool:
+        """Look for the definitions of functions that are only declared so far."""
+        answers = [self.symbols.seek(function) for function in list(functions)]
+        return any(answers)
+
     def _found_overloads(self, name: str) -> tuple[Function, ...]:
         functions = self.symbols.functions.get(name, [])
         defined = [function for function in functions if function.body is not None]
-        if functions and not defined and any([self.symbols.seek(f) for f in functions]):
+        if functions and not defined and self._sought(functions):
             functions = self.symbols.functions.get(name, [])
             defined = [function for function in functions if function.body is not None]
         return tuple(_with_defaults(defined, functions) if defined else functions)

@@ -38,7 +38,6 @@ from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
 from rtron.sources.code.natives.cpp_std import CONSTANTS, PARAMETER_KIND, PLACEHOLDERS, kind_of
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
 
-
 _MAKERS = frozenset({"make_shared", "make_unique"})
 
 

@@ -61,7 +61,7 @@ class Files(Protocol):
         ...
 
     def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
-        """Return the sources of a header's package that may define a class's methods, or a function.
+        """Return the sources of a header's package that may define a class or function.
 
         `word` is the plain name of the class or function.
         """

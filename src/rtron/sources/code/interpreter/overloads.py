@@ -38,16 +38,20 @@ def _match(param: Param, value: Value, template: tuple[str, ...]) -> int:
         return 1
     if param.type is None or isinstance(value, (Hole, Choice)):
         return 0
-    last = param.type.name.rpartition("::")[2]
+    return _fit(param.type, value)
+
+
+def _fit(type: TypeRef, value: Value) -> int:
+    last = type.name.rpartition("::")[2]
     if isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str)):
-        return 2 if param.type.name in _TEXTS else -_is_scalar(param.type)
+        return 2 if type.name in _TEXTS else -_is_scalar(type)
     if isinstance(value, Known):
-        return 1 if param.type.name in _NUMBERS else -1
+        return 1 if type.name in _NUMBERS else -1
     if isinstance(value, Instance):
         name = value.type.name.rpartition("::")[2]
-        return 3 if name == last or name in str(param.type) else -2 * _is_scalar(param.type)
+        return 3 if name == last or name in str(type) else -2 * _is_scalar(type)
     if isinstance(value, (FunctionValue, ClassValue)):
-        return -2 * _is_scalar(param.type)
+        return -2 * _is_scalar(type)
     return 0
 
 

@@ -34,7 +34,9 @@ class Recorder:
 
     site: NodeSite
     muted: int = 0
-    _declarations: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(default_factory=dict)
+    _declarations: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(
+        default_factory=dict
+    )
     _nodes: dict[str, MadeNode] = field(default_factory=dict)
     _starts: dict[StartedLaunch, None] = field(default_factory=dict)
     _unresolved: dict[Unresolved, None] = field(default_factory=dict)

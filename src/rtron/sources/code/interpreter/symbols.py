@@ -111,7 +111,7 @@ class Symbols:
         return self._methods.get(cls, [])
 
     def candidates(self, name: str, scope: str) -> tuple[str, ...]:
-        """Return the qualified names that a name may mean in a namespace or class, nearest first."""
+        """Return the qualified names that a name may mean in a scope, nearest first."""
         key = name, scope
         if key not in self._candidates:
             self._candidates[key] = tuple(dict.fromkeys(self._candidates_of(name, scope)))
@@ -183,7 +183,7 @@ class Symbols:
         """Forget what names meant, since a file brings others."""
         self.version += 1
         for known in (self._candidates, self._followed, self._meant):
-            known.clear()  # type: ignore[attr-defined]
+            known.clear()
 
     def _take(self, unit: Unit) -> None:
         self._forget()

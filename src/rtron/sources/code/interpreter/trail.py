@@ -100,9 +100,7 @@ def _all_items(values: list[tuple[Any, ...]]) -> tuple[Any, ...]:
     )
 
 
-def _joined(
-    values: list[Any], *, elementwise: bool
-) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag
+def _joined(values: list[Any], *, elementwise: bool) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag
     first = values[0] if values else None
     if all(value is first or value == first for value in values):
         return first

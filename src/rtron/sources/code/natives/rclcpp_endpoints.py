@@ -114,7 +114,9 @@ ENDPOINT = NativeClass(
     "rclcpp::Publisher",
     methods={
         **dict.fromkeys(("get_topic_name", "get_service_name"), _topic),
-        **dict.fromkeys(("async_send_request", "async_send_goal", "async_cancel_goal"), take_callbacks),
+        **dict.fromkeys(
+            ("async_send_request", "async_send_goal", "async_cancel_goal"), take_callbacks
+        ),
         "shared_from_this": _itself,
     },
 )

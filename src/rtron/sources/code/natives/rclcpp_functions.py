@@ -31,7 +31,7 @@ def _replace(machine: Machine, _: object, arguments: Arguments) -> Value:
     known = [v.value for v in (text, old, new) if isinstance(v, Known) and is_text(v)]
     if place is not None and text is not None:
         all_known = len(known) == len((text, old, new)) and isinstance(text, Known)
-        after = Known(known[0].replace(known[1], known[2]), text.tainted) if all_known else None  # type: ignore[union-attr]
+        after = Known(known[0].replace(known[1], known[2]), text.tainted) if all_known else None
         machine.trail.set(*place, after or Hole(str(place.key)))
     return NONE
 

@@ -197,7 +197,5 @@ _MADE: Mapping[str, Callable[..., Value]] = {
 }
 LIBRARY_CLASSES: Mapping[str, NativeClass] = {
     _FILTER.name: _FILTER,
-    **{
-        name: NativeClass(name, make, dict(_UPDATER.methods)) for name, make in _MADE.items()
-    },
+    **{name: NativeClass(name, make, dict(_UPDATER.methods)) for name, make in _MADE.items()},
 }

@@ -50,8 +50,9 @@ def make_options(_: Machine, arguments: Arguments) -> Instance:
     """`rclcpp::NodeOptions()`, or a copy of others."""
     given = arguments.get(0)
     before = given.fields if isinstance(given, Instance) and _GLOBALLY in given.fields else {}
-    fields = {_ARGUMENTS: listed(()), _GIVEN: listed(()), _GLOBALLY: TRUE, _SERVICES: TRUE}
-    return Instance(OPTIONS, {**fields, _AUTOMATIC: FALSE, **before})
+    fields: dict[object, Value] = {_ARGUMENTS: listed(()), _GIVEN: listed(())}
+    fields |= {_GLOBALLY: TRUE, _SERVICES: TRUE, _AUTOMATIC: FALSE}
+    return Instance(OPTIONS, {**fields, **before})
 
 
 def _set(field: str, machine: Machine, owner: Instance, arguments: Arguments) -> Value:

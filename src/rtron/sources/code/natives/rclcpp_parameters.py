@@ -113,7 +113,9 @@ def has_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value
     answer = is_declared(machine, owner, arguments.get(0) or _UNKNOWN)
     if answer is False and _declares_all(owner):
         found = known(machine, owner, arguments.get(0) or _UNKNOWN)
-        return FALSE if found is None else Hole("has_parameter") if isinstance(found, Hole) else TRUE
+        return (
+            FALSE if found is None else Hole("has_parameter") if isinstance(found, Hole) else TRUE
+        )
     return Hole("has_parameter") if answer is None else Known(answer)
 
 
@@ -187,7 +189,9 @@ PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
     "get_parameter_or": get_parameter_or,
     "get_parameters": get_parameters,
     "has_parameter": has_parameter,
-    **dict.fromkeys(("set_parameter", "set_parameters", "set_parameters_atomically"), set_parameter),
+    **dict.fromkeys(
+        ("set_parameter", "set_parameters", "set_parameters_atomically"), set_parameter
+    ),
     **dict.fromkeys(
         (
             "add_on_set_parameters_callback",

@@ -75,9 +75,7 @@ def _meant(machine: Machine, name: Value, base: Value, at: Arguments) -> list[Va
     if place in machine.ran:
         return []
     machine.ran.add(place)
-    form = re.compile(
-        "".join(re.escape(p) if isinstance(p, str) else ".*" for p in parts_of(name))
-    )
+    form = re.compile("".join(re.escape(p) if isinstance(p, str) else ".*" for p in parts_of(name)))
     names = filter(form.fullmatch, machine.world.files.plugins(str(base.value)))
     return [Known(one, tainted=True) for one in names]
 

@@ -181,9 +181,7 @@ _FACTORY = NativeClass(
     },
 )
 _BLACKBOARD = NativeClass("BT::Blackboard", methods={"set": _put, "get": _take})
-_NODE = NativeClass(
-    "BT::TreeNode", _node, {"config": _config, "getInput": _input, "name": _name}
-)
+_NODE = NativeClass("BT::TreeNode", _node, {"config": _config, "getInput": _input, "name": _name})
 _BASES = (
     *("TreeNode", "ActionNodeBase", "SyncActionNode", "StatefulActionNode", "CoroActionNode"),
     *("ThreadedAction", "ConditionNode", "DecoratorNode", "ControlNode", "LeafNode"),

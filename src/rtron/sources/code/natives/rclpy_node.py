@@ -60,7 +60,7 @@ def escape_all(machine: Machine, arguments: Arguments) -> None:
 def initialise(
     machine: Machine, owner: Instance, arguments: Arguments, *, lifecycle: bool = False
 ) -> Value:
-    """`Node.__init__(name, *, namespace, cli_args, use_global_arguments, parameter_overrides, …)`."""
+    """`Node.__init__(name, *, namespace, cli_args, use_global_arguments, …)`."""
     given = arguments.keywords
     words = NodeWords(
         name=arguments.get(0, "node_name") or Hole("node_name"),

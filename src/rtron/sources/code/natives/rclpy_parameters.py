@@ -143,9 +143,7 @@ def _message(_: Machine, owner: Instance, __: Arguments) -> Value:
 
 
 _MESSAGE = NativeClass("rcl_interfaces/ParameterValue")
-PARAMETER = NativeClass(
-    "rclpy.parameter.Parameter", _make, {"get_parameter_value": _message}
-)
+PARAMETER = NativeClass("rclpy.parameter.Parameter", _make, {"get_parameter_value": _message})
 PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
     "declare_parameter": _declare,
     "declare_parameters": _declare_all,

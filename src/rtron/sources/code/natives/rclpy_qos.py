@@ -42,7 +42,7 @@ def read(value: Value | None) -> QoS | None:
         return qos_of(value)
     found = {key: value.fields[name] for name, key in _FIELDS.items()}
     plain = {key: one if key == DEPTH else policy(one) for key, one in found.items()}
-    return qos_of(Instance(_PROFILE, plain))  # type: ignore[arg-type]
+    return qos_of(Instance(_PROFILE, plain))
 
 
 def _make(_: Machine, arguments: Arguments) -> Value:
@@ -69,9 +69,7 @@ def profiles() -> Mapping[str, Value]:
         )
         for name, profile in _PRESETS.items()
     }
-    named = {
-        f"rclpy.qos.qos_profile_{name}": _profile(qos) for name, qos in PROFILES.items()
-    }
+    named = {f"rclpy.qos.qos_profile_{name}": _profile(qos) for name, qos in PROFILES.items()}
     return {**presets, **named, "rclpy.qos.QoSProfile": _PROFILE}
 
 

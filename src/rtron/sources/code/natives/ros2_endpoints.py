@@ -4,7 +4,16 @@ from collections.abc import Callable, Iterator, Mapping
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
-from rtron.sources.code.interpreter.values import Hole, Known, Text, Value, join, options, spelled, truth
+from rtron.sources.code.interpreter.values import (
+    Hole,
+    Known,
+    Text,
+    Value,
+    join,
+    options,
+    spelled,
+    truth,
+)
 from rtron.sources.code.natives.ros2_nodes import NodeWords, name_of, record, resolved
 from rtron.sources.code.natives.ros2_parameters import declared
 from rtron.sources.code.natives.ros2_qos import DEFAULT, PROFILES
@@ -42,7 +51,7 @@ _STATIC_TF = QoS(depth=1, durability=PROFILES["rosout"].durability)
 _TF = QoS(depth=100)
 
 
-def declare(
+def declare(  # noqa: PLR0913 - what the graph has of an endpoint
     machine: Machine,
     kind: DeclarationKind,
     node: Value,
@@ -63,7 +72,9 @@ def declare(
             typed(kind, type),
             *places,
             implicit=implicit,
-            latched=kind is _PUBLISH and qos is not None and qos.durability is _STATIC_TF.durability,
+            latched=kind is _PUBLISH
+            and qos is not None
+            and qos.durability is _STATIC_TF.durability,
             node=spelled(owner),
             qos=qos,
         )

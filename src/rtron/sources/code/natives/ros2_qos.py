@@ -1,12 +1,14 @@
 """Quality of service as it is written, where all of it is literal (docs.ros.org: About QoS)."""
 
 from collections.abc import Mapping
+from typing import TypeVar
 
 from rtron.sources.code.interpreter.values import Hole, Instance, Known, NativeClass, Value
 from rtron.vocabulary import Durability, QoS, Reliability
 
 DEPTH, RELIABILITY, DURABILITY = "qos.depth", "qos.reliability", "qos.durability"
 
+_Policy = TypeVar("_Policy", Reliability, Durability)
 DEFAULT = QoS(depth=10)
 PROFILES: Mapping[str, QoS] = {
     "default": DEFAULT,
@@ -69,6 +71,6 @@ def policy(value: Value | None) -> Value:
     return Hole("policy")
 
 
-def _word(kind: type, value: Value | None):  # noqa: ANN202 - a member of the kind
+def _word(kind: type[_Policy], value: Value | None) -> _Policy | None:
     known = value.value if isinstance(value, Known) else None
     return next((word for word in kind if word.value == known), None)

@@ -1,4 +1,4 @@
-"""The commands of ament: components, plugins, and targets of all files in a folder (docs.ros.org)."""
+"""The commands of ament: components, plugins, targets of all files in a folder (docs.ros.org)."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -39,8 +39,8 @@ def _register(call: Call, target: str, cls: str, executable: str) -> None:
 def export_plugins(call: Call) -> None:
     """Carry out `pluginlib_export_plugin_description_file(package file)`."""
     words = call.words
-    for base, name in zip(words[:1], words[1:2], strict=False):
-        call.build.exports[base, call.scope.folder / name] = None
+    if len(words) > 1:
+        call.build.exports[words[0], call.scope.folder / words[1]] = None
 
 
 def link_packages(call: Call) -> None:
