@@ -196,15 +196,27 @@ def _counts(machine: Machine, function: Function) -> bool:
 
 def joins_nodes(machine: Machine, function: Function) -> bool:
     """Tell whether a function, or what it may call by name, declares anything."""
+    known = machine.joining
+    size = machine.world.size()
+    if machine.joining_at != size:
+        machine.joining_at = size
+        for key in [key for key, joins in known.items() if not joins]:
+            del known[key]
     key = _key(function)
-    if key not in machine.joining:
-        machine.joining[key] = _joins_nodes(machine, function)
-    return machine.joining[key]
+    if key not in known:
+        known[key] = _joins_nodes(machine, function)
+    return known[key]
 
 
 def _joins_nodes(machine: Machine, function: Function) -> bool:
-    api = _api(machine)
-    return any(called_words(reached) & api for reached in _reached(machine, [function]))
+    """Look for a call of a client library; what was looked through in vain needs no second look."""
+    api, known, seen = _api(machine), machine.joining, list[Function]()
+    for reached in _reached(machine, [function]):
+        if known.get(_key(reached)) or called_words(reached) & api:
+            return True
+        seen.append(reached)
+    known.update((_key(reached), False) for reached in seen)
+    return False
 
 
 def _api(machine: Machine) -> frozenset[str]:
@@ -215,12 +227,17 @@ def _api(machine: Machine) -> frozenset[str]:
 
 def changed_at_any_time(machine: Machine) -> frozenset[str]:
     """Return the members and globals that callbacks may change while the program runs."""
-    reached = _reached(machine, list(machine.escaped))
+    reached = _reached(machine, list(machine.escaped), whole=True)
     return frozenset(name for function in reached for name in written_names(function))
 
 
-def _reached(machine: Machine, queue: list[Function]) -> Iterator[Function]:
-    """Yield functions and what they may call, by plain names."""
+def _reached(
+    machine: Machine, queue: list[Function], *, whole: bool = False
+) -> Iterator[Function]:
+    """Yield functions and what they may call, by plain names.
+
+    Without `whole`, those that are known to join no nodes are left out.
+    """
     seen: set[tuple[str, int, str]] = set()
     left_out = frozenset[str]() if machine.recorder.site.ros == 1 else _OF_CONTAINERS
     while queue:
@@ -228,6 +245,8 @@ def _reached(machine: Machine, queue: list[Function]) -> Iterator[Function]:
         if _key(current) in seen:
             continue
         seen.add(_key(current))
+        if machine.joining.get(_key(current)) is False and not whole:
+            continue
         yield current
         words = called_words(current) - left_out
         queue.extend(other for word in words for other in machine.world.named(word))

@@ -1,7 +1,6 @@
 """The plain names that a function calls and writes, found once and kept."""
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Any
 
 from rtron.sources.code.ir import (
@@ -20,14 +19,24 @@ from rtron.sources.code.ir import (
 _ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", "add", "update"])
 
 
-@lru_cache(maxsize=50_000)
+MAX_KEPT = 50_000
+
+_CALLED: dict[int, tuple[Function, frozenset[str]]] = {}
+"""By the function's identity, since its hash goes through all of its body."""
+
+
 def called_words(function: Function) -> frozenset[str]:
     """Return the last parts of the names of all that a function calls or makes."""
-    bodies = (function.body or (), tuple(args for _, args in function.initialisers))
-    return frozenset(word for body in bodies for word in _words(body))
+    known = _CALLED.get(id(function))
+    if known is None:
+        if len(_CALLED) >= MAX_KEPT:
+            _CALLED.clear()
+        bodies = (function.body or (), tuple(args for _, args in function.initialisers))
+        known = function, frozenset(word for body in bodies for word in _words(body))
+        _CALLED[id(function)] = known
+    return known[1]
 
 
-@lru_cache(maxsize=50_000)
 def written_names(function: Function) -> frozenset[str]:
     """Return the members and globals that a function may assign to."""
     local = {declared.name for declared in _nodes(function.body) if isinstance(declared, Declare)}
@@ -50,7 +59,6 @@ def written_names(function: Function) -> frozenset[str]:
     return frozenset(names)
 
 
-@lru_cache(maxsize=20_000)
 def assigned_names(body: tuple[Stmt, ...]) -> frozenset[str]:
     """Return the variables that statements assign to."""
     found = (target for node in _nodes(body) if isinstance(node, Assign) for target in node.targets)

@@ -43,6 +43,10 @@ class CppTypes:
     _classes: dict[str, ClassValue] = field(default_factory=dict)
     _overloads: dict[str, tuple[int, tuple[Function, ...]]] = field(default_factory=dict)
 
+    def size(self) -> int:
+        """Return a number that changes when the program's functions do."""
+        return self.symbols.version
+
     def own_functions(self) -> Iterator[Function]:
         """Yield the functions of the program's sources, and of the headers in its package."""
         for functions in self.symbols.functions.values():

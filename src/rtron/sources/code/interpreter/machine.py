@@ -83,6 +83,7 @@ class Machine:
     transitions: set[tuple[int, str]] = field(default_factory=set)
     parameters: dict[str, Value] = field(default_factory=dict)
     joining: dict[tuple[str, int, str], bool] = field(default_factory=dict)
+    joining_at: int = 0
     ran: set[tuple[str, int, str]] = field(default_factory=set)
     catching: list[tuple[str, ...]] = field(default_factory=list)
     discovering: int = 0

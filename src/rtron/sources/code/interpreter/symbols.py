@@ -62,6 +62,7 @@ class Symbols:
     _candidates: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
     _followed: dict[tuple[TypeRef, str], TypeRef] = field(default_factory=dict)
     _meant: dict[tuple[str, str], Class | None] = field(default_factory=dict)
+    _own: dict[str, bool] = field(default_factory=dict)
     version: int = 0
     _sought: set[tuple[str, str]] = field(default_factory=set)
 
@@ -101,10 +102,14 @@ class Symbols:
 
     def is_own(self, file: str) -> bool:
         """Tell whether a file is one of the program's sources, or a header of its package."""
-        path = Path(file)
-        return path in self.sources or any(
-            path.is_relative_to(folder) for source in self.sources for folder in source.parents[:2]
-        )
+        if file not in self._own:
+            path = Path(file)
+            self._own[file] = path in self.sources or any(
+                path.is_relative_to(folder)
+                for source in self.sources
+                for folder in source.parents[:2]
+            )
+        return self._own[file]
 
     def methods(self, cls: str) -> list[str]:
         """Return the names of the methods defined for a class."""

@@ -81,6 +81,10 @@ class World(Protocol):
         """Return the scanned functions with a plain name, in whatever class."""
         ...
 
+    def size(self) -> int:
+        """Return a number that changes when the program's functions do."""
+        ...
+
     def own_functions(self) -> Iterator[Function]:
         """Yield the functions of the program's own files."""
         ...
