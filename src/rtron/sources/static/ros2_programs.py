@@ -31,12 +31,17 @@ def component_task(workspace: Workspace, package: str, cls: str, site: NodeSite)
 def ros2_programs(workspace: Workspace, folder: Path) -> Iterator[tuple[str, Task]]:
     """Yield the executables and components of the packages below a folder, with their package.
 
-    A component that an executable of its package makes is that executable's.
+    A component that an executable of its package makes is that executable's. The packages that
+    use most others come first, since their programs take longest.
     """
-    for package, path in workspace.packages.items():
-        if path.is_relative_to(folder):
-            for task in _of_package(workspace, package):
-                yield package, task
+    ours = [package for package, path in workspace.packages.items() if path.is_relative_to(folder)]
+
+    def used(package: str) -> int:
+        return sum(name in workspace.packages for name in workspace.manifest(package).depends)
+
+    for package in sorted(ours, key=used, reverse=True):
+        for task in _of_package(workspace, package):
+            yield package, task
 
 
 def default_site(name: str) -> NodeSite:

@@ -80,7 +80,7 @@ def _turns(machine: Machine, node: While, frame: Frame, most: int) -> Outcome:
         if outcome in _LEAVES:
             return outcome
         machine.execute(node.step, frame)
-    written = assigned_names(node.body + node.step)
+    written = assigned_names(node.body) | assigned_names(node.step)
     in_doubt(machine, frame, lambda: machine.execute(node.body + node.step, frame), written)
     return None
 
