@@ -1,8 +1,8 @@
 """The plain names that a function calls and writes, found once and kept."""
 
-from collections.abc import Iterator
-from functools import lru_cache
-from typing import Any
+from collections.abc import Callable, Iterator
+from functools import wraps
+from typing import Any, TypeAlias, TypeVar
 
 from rtron.sources.code.ir import (
     Assign,
@@ -20,14 +20,36 @@ from rtron.sources.code.ir import (
 _ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", "add", "update"])
 
 
-@lru_cache(maxsize=50_000)
+MAX_KEPT = 50_000
+
+_T = TypeVar("_T")
+_Names: TypeAlias = frozenset[str]
+
+
+def _by_identity(find: Callable[[_T], _Names]) -> Callable[[_T], _Names]:
+    """Keep what is found in a part of the IR by its identity: a hash goes through all of it."""
+    kept: dict[int, tuple[_T, _Names]] = {}
+
+    @wraps(find)
+    def found(part: _T) -> _Names:
+        known = kept.get(id(part))
+        if known is None:
+            if len(kept) >= MAX_KEPT:
+                kept.clear()
+            known = kept[id(part)] = part, find(part)
+        return known[1]
+
+    return found
+
+
+@_by_identity
 def called_words(function: Function) -> frozenset[str]:
     """Return the last parts of the names of all that a function calls or makes."""
     bodies = (function.body or (), tuple(args for _, args in function.initialisers))
     return frozenset(word for body in bodies for word in _words(body))
 
 
-@lru_cache(maxsize=50_000)
+@_by_identity
 def written_names(function: Function) -> frozenset[str]:
     """Return the members and globals that a function may assign to."""
     local = {declared.name for declared in _nodes(function.body) if isinstance(declared, Declare)}
@@ -50,7 +72,7 @@ def written_names(function: Function) -> frozenset[str]:
     return frozenset(names)
 
 
-@lru_cache(maxsize=20_000)
+@_by_identity
 def assigned_names(body: tuple[Stmt, ...]) -> frozenset[str]:
     """Return the variables that statements assign to."""
     found = (target for node in _nodes(body) if isinstance(node, Assign) for target in node.targets)
@@ -74,8 +96,10 @@ def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
             yield from _called(current.function)
         elif isinstance(current, New):
             yield current.type.name.rpartition("::")[2]
+            yield current.type.name
         elif isinstance(current, TypeRef):
             yield current.name.rpartition("::")[2]
+            yield current.name
 
 
 def _called(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression

@@ -42,6 +42,7 @@ class CppCalls(CppTypes):
             cls=called.cls,
             scope=getattr(outer, "scope", "") or function.name.rpartition("::")[0],
             types=self.bound_types(called, passed),
+            caller=arguments,
         )
         default = Frame(file=function.file, scope=frame.scope, this=frame.this, types=frame.types)
         frame.variables = bind(
@@ -49,7 +50,7 @@ class CppCalls(CppTypes):
         )
         for at, param in enumerate(function.params):
             place = passed.place(at)
-            if param.reference and place is not None:
+            if param.reference and place is not None and place.key != "this":
                 frame.aliases[param.name] = place
             elif not param.reference and param.kind == "plain":
                 value = frame.variables[param.name]

@@ -113,6 +113,7 @@ class PythonWorld(PythonObjects):
             variables=variables,
             closure=closure,
             cls=called.cls,
+            caller=arguments,
         )
 
 
