@@ -100,6 +100,14 @@ def test_a_command_is_told_with_what_it_printed(processes):
     assert done.command.endswith("""-c 'print('"'"'a b'"'"')'""")
 
 
+def test_nothing_is_imported_from_the_users_folder(processes, tmp_path, monkeypatch):
+    (tmp_path / "user").mkdir()
+    (tmp_path / "user" / "yaml.py").write_text("raise SystemExit('imported')")
+    monkeypatch.chdir(tmp_path / "user")
+    done = processes.finish([sys.executable, "-c", "import yaml; print('fine')"], os.environ)
+    assert done.text == "fine\n"
+
+
 def test_a_command_that_fails_says_why(processes):
     fails = [sys.executable, "-c", "import sys; print('no way'); sys.exit(3)"]
     with pytest.raises(SourceError, match=r"failed \(3\)\nno way"):
@@ -114,7 +122,7 @@ def test_who_has_ended_is_told_with_what_it_said(processes):
         started.check()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 @pytest.mark.parametrize("ignored", [False, True], ids=["as usual", "ignored by the shell"])
 def test_an_interrupted_runner_leaves_nothing_behind(tmp_path, number, ignored):
     text = RUNNER.format(commands=[SLEEP, LEFT_BEHIND, SLEEP], sleep=SLEEP)
@@ -132,6 +140,14 @@ def test_an_interrupted_runner_leaves_nothing_behind(tmp_path, number, ignored):
     runner.communicate(timeout=60)
     assert len(pids) == 4
     assert not any(map(is_there, pids))
+
+
+def test_whom_nohup_started_outlives_its_terminal():
+    text = "from rtron.demos.launching.interrupts import heard, deferred\n"
+    text += "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+    text += "with heard(), deferred(): signal.raise_signal(signal.SIGHUP)\nprint('on')"
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    assert done.stdout == "on\n"
 
 
 def test_impatience_does_not_stop_the_ending(tmp_path):

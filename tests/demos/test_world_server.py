@@ -1,11 +1,14 @@
 """Clients of the world that misbehave: they are let go, and the world goes on."""
 
 import struct
+from functools import partial
+from itertools import count
 
 import pytest
 from world_client import KEY, LIMIT, clients, serving
 
-from rtron.demos.world import crowd
+from rtron.demos.world import crowd, server
+from rtron.demos.world.clock import Clock
 from rtron.demos.world.owner import Owner
 from rtron.demos.world.protocol import encode
 from rtron.errors import SourceError
@@ -72,3 +75,11 @@ def test_a_reader_that_sleeps_holds_nobody_up(client):
     awake.until(lambda frame: frame.head["t"] > first + 5.0)
     shown = [sleeper.next().head["t"] for _ in range(8)]
     assert shown[-1] - shown[0] > 2.0
+
+
+def test_a_world_that_is_always_late_listens_all_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(server, "Clock", partial(Clock, wall=count().__next__))
+    with serving(tmp_path / "late") as late, clients(late) as connect:
+        base, owner = connect("base"), connect("owner", key=KEY)
+        base.send({"velocity": [0.1, 0.0]})
+        assert owner.until(lambda frame: frame.head["truth"]["commanded"] == [0.1, 0.0])

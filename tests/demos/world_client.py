@@ -55,7 +55,7 @@ def serving(path):
     """Serve a world until the end of the block."""
     with listening(path) as listener:
         server = Server(listener, SPEED, KEY)
-        thread = Thread(target=server.run)
+        thread = Thread(target=server.run, daemon=True)
         thread.start()
         yield path
         server.stop()

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable
+from functools import cache
 
 from rtron.errors import InputError, SourceError
 from rtron.messages.definition import Definition
@@ -94,6 +95,16 @@ def standard_text(name: str, ros: int) -> str | None:
         return str(store.generate_msgdef(f"{package}/msg/{last}", ros_version=ros)[0])
     except TypesysError:
         return None
+
+
+@cache
+def standard_names(package: str) -> frozenset[str]:
+    """Return the names of the messages that Noetic's or Jazzy's standard package of a name has."""
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - few scans need it
+
+    stores = (get_typestore(store) for store in (Stores.ROS1_NOETIC, Stores.ROS2_JAZZY))
+    types = (type.split("/") for store in stores for type in store.types)
+    return frozenset(parts[-1] for parts in types if parts[0] == package)
 
 
 _DRIVE = "\n".join(

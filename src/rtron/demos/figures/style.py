@@ -82,10 +82,12 @@ def drawn(path: Path, height: float, rows: int = 1) -> "Iterator[tuple[Figure, l
 
 
 def legend_below(figure: "Figure", axes: "Axes", columns: int) -> None:
-    """Put the legend of some axes under the figure, where no data are."""
+    """Put the legend of some axes under the figure, where no data are; each label once."""
     handles, labels = axes.get_legend_handles_labels()
-    width = len(labels) if len(labels) <= _ON_ONE_LINE else columns
-    figure.legend(handles, labels, loc="outside lower center", ncols=width, columnspacing=1.6)
+    found = dict(zip(labels, handles, strict=True))
+    width = len(found) if len(found) <= _ON_ONE_LINE else columns
+    place: Style = {"loc": "outside lower center", "ncols": width, "columnspacing": 1.6}
+    figure.legend(found.values(), found.keys(), **place)
 
 
 def shade_attack(axes: "Axes", run: Run) -> None:

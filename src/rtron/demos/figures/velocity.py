@@ -57,8 +57,8 @@ def _draw(axes: "Axes", run: Run, value: Callable[[Truth], float]) -> None:
         times, list(map(value, run.samples)), color=colour, label=label, **_LINES[run.variant]
     )
     axes.grid(visible=True)
-    for truth in run.harms.values():
-        axes.scatter(truth.t, value(truth), marker="X", s=80, color=INK, zorder=7)
+    for harm, truth in run.harms.items():
+        axes.scatter(truth.t, value(truth), marker="X", s=80, color=INK, label=harm, zorder=7)
 
 
 def _speed(truth: Truth) -> float:

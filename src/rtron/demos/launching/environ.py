@@ -7,11 +7,11 @@ from rtron.demos.launching.apps import LOGIC, other_packages, own_packages
 
 WIDTH = 96
 """How wide commands print, in columns."""
-_OURS = ("ROS_", "RTRON_", "DEMO_", "XDG_")
+_OURS = ("ROS_", "RTRON_", "DEMO_", "XDG_", "FASTDDS_", "FASTRTPS_")
 
 
 def shared_environ(folder: Path, sockets: Path) -> dict[str, str]:
-    """Return the user's environment without what leads to a ROS or a guard of the user's.
+    """Return the user's environment without what leads to a ROS, a DDS or a guard of the user's.
 
     State and logs go to `folder`, sockets to `sockets`. What lets a sourced ROS 2 be found, its
     library and Python paths, stays.

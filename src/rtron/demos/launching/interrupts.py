@@ -1,4 +1,4 @@
-"""^C and SIGTERM: both end the demo in order, and neither ends the ending."""
+"""^C, SIGTERM and a terminal that is closed: each ends the demo in order, none ends the ending."""
 
 import signal
 from collections.abc import Callable, Iterator
@@ -6,20 +6,23 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-_ENDING = (signal.SIGINT, signal.SIGTERM)
+_ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _Handler = Callable[[int, FrameType | None], Any] | int | None
 
 
 @contextmanager
 def heard() -> Iterator[None]:
-    """Let both raise KeyboardInterrupt within the block, also where a shell had them ignored."""
+    """Let each raise KeyboardInterrupt within the block, also where a shell had it ignored.
+
+    Only a SIGHUP that is ignored stays so: that is what nohup is for.
+    """
     with _handled(signal.default_int_handler):
         yield
 
 
 @contextmanager
 def deferred() -> Iterator[None]:
-    """Let neither interrupt the block; one that comes counts when the block is over."""
+    """Let none interrupt the block; one that comes counts when the block is over."""
     came: list[int] = []
     try:
         with _handled(lambda number, _: came.append(number)):
@@ -32,7 +35,7 @@ def deferred() -> Iterator[None]:
 @contextmanager
 def _handled(handler: _Handler) -> Iterator[None]:
     with _held_back():
-        before = {number: signal.signal(number, handler) for number in _ENDING}
+        before = {number: signal.signal(number, handler) for number in _heeded()}
     try:
         yield
     finally:
@@ -41,9 +44,15 @@ def _handled(handler: _Handler) -> Iterator[None]:
                 signal.signal(number, old)
 
 
+def _heeded() -> Iterator[signal.Signals]:
+    for number in _ENDING:
+        if number is not signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:
+            yield number
+
+
 @contextmanager
 def _held_back() -> Iterator[None]:
-    """Let both wait until the block is over, so that no handler is left half way."""
+    """Let them wait until the block is over, so that no handler is left half way."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
     try:
         yield

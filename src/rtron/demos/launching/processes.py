@@ -53,7 +53,8 @@ class Processes:
     """The processes that were started here; on leaving, those that still run are ended.
 
     Each has a session of its own, so that ^C reaches this process only, and this one ends the
-    others. SIGTERM ends this process as ^C does; neither is heard while processes are being ended.
+    others. SIGTERM and a closed terminal end this process as ^C does; nothing is heard while
+    processes are being ended.
     To be entered in the main thread.
     """
 
@@ -86,6 +87,7 @@ class Processes:
         with log.open("wb") as output, deferred():
             popen = subprocess.Popen(  # noqa: S603 - the commands are the demo's own
                 [str(word) for word in command],
+                cwd=self._folder,  # Python imports from where it is: not from the user's folder
                 env={**environ, MARK: mark},
                 stdin=subprocess.DEVNULL,
                 stdout=output,

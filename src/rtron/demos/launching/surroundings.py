@@ -50,13 +50,19 @@ def _ros1() -> Path:
 
 
 def _ros2() -> Path:
-    named = os.environ.get(PYTHON_VARIABLE)
-    if named and not _runs(named):
-        raise SourceError(f"{PYTHON_VARIABLE}={named}: cannot run {_TRIAL!r}", help=_ROS2_HELP)
-    for python in (named,) if named else _candidates():
-        if python and _runs(python):
+    if named := os.environ.get(PYTHON_VARIABLE):
+        return _named(named)
+    for python in _candidates():
+        if _runs(python):
             return Path(python)
     raise SourceError("there is no ROS 2: no Python that has rclpy", help=_ROS2_HELP)
+
+
+def _named(name: str) -> Path:
+    found = Path(shutil.which(name) or name).absolute()
+    if not _runs(str(found)):
+        raise SourceError(f"{PYTHON_VARIABLE}={name}: cannot run {_TRIAL!r}", help=_ROS2_HELP)
+    return found
 
 
 def _candidates() -> Iterator[str]:
@@ -72,7 +78,11 @@ def _runs(python: str) -> bool:
     """Tell whether a Python imports what the demo needs of it."""
     try:
         done = subprocess.run(  # noqa: S603 - our own words
-            [python, "-c", _TRIAL], capture_output=True, timeout=_TRIAL_LIMIT, check=False
+            [python, "-c", _TRIAL],
+            capture_output=True,
+            cwd="/",  # modules in the user's folder are not to be imported
+            timeout=_TRIAL_LIMIT,
+            check=False,
         )
     except (OSError, subprocess.TimeoutExpired):
         return False

@@ -1,4 +1,4 @@
-"""The velocity that the motors are told to have: held until the next one comes, but not for long."""
+"""The velocity that the motors are told to have: held until the next comes, but not for long."""
 
 from rtron.demos.world.body import STEP, Velocity, clipped
 

@@ -52,7 +52,7 @@ class Server:
                 self._crowd.accept(self._listener)
             else:
                 self._crowd.attend(key.data, partial(self._hear, key.data))
-        while self._clock.is_due():
+        if self._clock.is_due():  # no more than one: who is late must not be deaf as well
             self._step()
 
     def _hear(self, connection: Connection) -> None:

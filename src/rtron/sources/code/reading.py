@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.messages.definitions import standard_names
 from rtron.sources.bounded import read_bounded
 from rtron.sources.code.cpp import lower_cpp
 from rtron.sources.code.defining import defining, naming
@@ -52,8 +53,8 @@ class WorkspaceFiles:
         return self.workspace.python_module(dotted, package, importer)
 
     def has_message(self, package: str, name: str) -> bool | None:
-        """Tell whether a package defines a message type."""
-        known = self.workspace.messages(package)
+        """Tell whether a package, of the workspace or a standard one, defines a message type."""
+        known = self.workspace.messages(package) or standard_names(package)
         return name in known if known else None
 
     def package_path(self, package: str) -> Path | None:
