@@ -20,6 +20,7 @@ from rtron.sources.launch2.words import (
     remaps_in,
     run_node,
     special,
+    split_pieces,
     split_words,
 )
 from rtron.vocabulary.remap_rules import UNKNOWN
@@ -157,9 +158,12 @@ class Starts(Surroundings):
 
     def _words(self, element: Element, key: str, scope: Scope, place: Place) -> tuple[str, ...]:
         """Return the words of an attribute, and of the elements that are a word each."""
-        text = self.evaluator.value(element, key, scope, place) or ""
-        words = [self.text(one, "value", scope, place) for one in element.named(key)]
-        return (*split_words(text), *words)
+        listed = [self.text(one, "value", scope, place) for one in element.named(key)]
+        substitution = self.evaluator.substitution(element, scope, place)
+        with self.evaluator.noting(element, place):
+            pieces = substitution.parsed(element.attributes.get(key, ""))
+            return (*map(substitution.perform, split_pieces(pieces)), *listed)
+        return tuple(listed)
 
     def _text(self, element: Element, key: str, scope: Scope, place: Place) -> str:
         return shown(self.text(element, key, scope, place))
