@@ -153,6 +153,8 @@ def test_an_action_that_is_not_known(xml):
         ("launch.yaml", "launch: []", True),
         ("a.launch.py", "def generate_launch_description(): pass", True),
         ("bringup.py", "def generate_launch_description(): pass", True),
+        ("a.launch.py", "from b import generate_launch_description", True),
+        ("bringup.py", "from b import generate_launch_description", False),
         ("a.launch.py", "x = 1", False),
         ("a.launch", "<launch/>", False),
         ("a.xml", "<launch/>", False),

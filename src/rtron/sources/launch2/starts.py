@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import is_there
+from rtron.sources.code.python.unit import MAX_BYTES
 from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.given import Given
 from rtron.sources.launch2.parameters import ALL
@@ -47,6 +48,8 @@ class Starts(Surroundings):
         """Return what a Python launch file describes; raise InputError where there is none."""
         if not is_there(Path(path)) or not Path(path).is_file():
             raise InputError("is no file", path=path)
+        if Path(path).stat().st_size > MAX_BYTES:
+            raise InputError(f"larger than {MAX_BYTES // 2**20} MiB", path=path)
         return self.front(path)
 
     def node(self, element: Element, scope: Scope, place: Place) -> None:
