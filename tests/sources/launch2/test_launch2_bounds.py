@@ -1,5 +1,7 @@
 """Launch files of strangers: what is larger than any app's ends, with a note."""
 
+import os
+
 import pytest
 from launched_app import names, whys
 
@@ -106,3 +108,29 @@ def test_texts_that_double_each_other_end(xml):
     app = xml(f'<let name="a" value="ha"/>{doubling}<node pkg="$(var a)" exec="e"/>')
     assert len(app.starts[0].package) < 100_000
     assert any("longer than" in why for why in whys(app))
+
+
+@pytest.mark.parametrize("kind", ["fifo", "folder", "large"])
+def test_a_python_file_that_is_none_is_not_opened(python, package, kind):
+    path = package / "launch" / "in.launch.py"
+    if kind == "large":
+        with path.open("wb") as file:
+            file.truncate(2**31)
+    else:
+        os.mkfifo(path) if kind == "fifo" else path.mkdir()
+    app = python(f"IncludeLaunchDescription('{path}'), {NODE}")
+    assert names(app) == ["/n"]
+    assert any("is no file" in why or "larger than" in why for why in whys(app))
+
+
+@pytest.mark.parametrize("kind", ["fifo", "folder", "large"])
+def test_a_parameter_file_that_is_none_is_not_opened(python, package, kind):
+    path = package / "p.yaml"
+    if kind == "large":
+        with path.open("wb") as file:
+            file.truncate(2**31)
+    else:
+        os.mkfifo(path) if kind == "fifo" else path.mkdir()
+    app = python(f"Node(executable='e', name='n', parameters=['{path}'])")
+    assert names(app) == ["/n"]
+    assert any("is no file" in why or "larger than" in why for why in whys(app))

@@ -15,7 +15,7 @@ def test_a_node_with_all_it_can_be_given(xml, package):
     (package / "p.yaml").write_text("/**: {ros__parameters: {file: $(var x)}}")
     app = xml(
         """<arg name="x" default="7"/><set_remap from="a" to="b"/>
-        <node pkg="p" exec="e" name="n" namespace="ns" args="-d '$(var x) y' -- z"
+        <node pkg="p" exec="e" name="n" namespace="ns" args="-d $(var x)_'y z' -- z"
               ros_args="-p q:=2">
           <param name="one" value="$(var x)"/><param name="text" value="$(var x)" type="str"/>
           <param name="deep"><param name="er" value="1.5"/></param>
@@ -25,7 +25,7 @@ def test_a_node_with_all_it_can_be_given(xml, package):
     )
     [node] = app.starts
     assert (node.kind, node.full_name) == (StartKind.NODE, "/ns/n")
-    assert node.arguments == ("-d", "7 y", "--", "z", "--ros-args", "-p", "q:=2")
+    assert node.arguments == ("-d", "7_y z", "--", "z", "--ros-args", "-p", "q:=2")
     assert (node.remaps, node.shared) == ((("a", "b"), ("in", "out")), 1)
     assert node.environ == (("K", "v"),)
     assert values(node) == {
@@ -153,6 +153,8 @@ def test_an_action_that_is_not_known(xml):
         ("launch.yaml", "launch: []", True),
         ("a.launch.py", "def generate_launch_description(): pass", True),
         ("bringup.py", "def generate_launch_description(): pass", True),
+        ("a.launch.py", "from b import generate_launch_description", True),
+        ("bringup.py", "from b import generate_launch_description", False),
         ("a.launch.py", "x = 1", False),
         ("a.launch", "<launch/>", False),
         ("a.xml", "<launch/>", False),
@@ -170,3 +172,21 @@ def test_what_a_build_made_is_not_searched(tmp_path):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "a.launch.xml").write_text("<launch/>")
     assert launch_files2([tmp_path]) == ()
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        ("a b c", ("a", "b", "c")),
+        ("$(var x)", ("-d file",)),
+        ("$(var x) $(var y)", ("-d file", "w")),
+        ("$(var x)$(var y) b", ("-d filew", "b")),
+        ("a=$(var y) b$(var y)c d", ("a=w", "bwc", "d")),
+        ("  a  $(var y)/'b c' ", ("a", "w/b c")),
+        ("", ()),
+    ],
+)
+def test_the_words_of_a_command_line_are_those_before_it_is_evaluated(xml, args, words):
+    declared = '<arg name="x" default="-d file"/><arg name="y" default="w"/>'
+    app = xml(f'{declared}<node pkg="p" exec="e" args="{args}"/><executable cmd="r {args}"/>')
+    assert [start.arguments for start in app.starts] == [words, ("r", *words)]

@@ -11,14 +11,16 @@ MAX_FOLDERS = 200_000
 MAX_BYTES = 2**20
 
 _ENDINGS = ("launch.xml", "launch.yaml", "launch.yml")
-_DESCRIBES = b"def generate_launch_description"
+_PYTHON = "launch.py"
+_DESCRIBES = b"generate_launch_description"
 _NOT_SEARCHED = frozenset({".git", ".hg", ".svn", "build", "install", "log"})
 
 
 def launch_files2(folders: Iterable[Path]) -> tuple[Path, ...]:
     """Return the launch files of ROS 2 below folders, by path; links are not followed.
 
-    A Python file is one if it defines what launch calls. Raise InputError for a folder without end.
+    A Python file is one if it defines what launch calls, or names it and is called so. Raise
+    InputError for a folder without end.
     """
     return tuple(sorted({path for folder in folders for path in _below(folder.absolute())}))
 
@@ -37,6 +39,8 @@ def _is_launch(path: Path) -> bool:
     if path.suffix != ".py" or not path.is_file():
         return False
     try:
-        return _DESCRIBES in read_bounded(path, MAX_BYTES)
+        text = read_bounded(path, MAX_BYTES)
     except InputError:
         return False
+    named = path.name.endswith(_PYTHON)
+    return (_DESCRIBES if named else b"def " + _DESCRIBES) in text

@@ -58,12 +58,14 @@ class Settings:
         said: bool | None,  # noqa: FBT001
     ) -> None:
         """Apply an action of SETTINGS; `said` is what its condition says, None if not known."""
+        if said is not None or not self.evaluator.symbolic:
+            self._apply(element, scope, place)
+            return
         before = dict(scope.configurations), dict(scope.environ)
         self._apply(element, scope, place)
-        if said is None and self.evaluator.symbolic:
-            for values, old in zip((scope.configurations, scope.environ), before, strict=True):
-                changed = [name for name in values if values[name] != old.get(name)]
-                values.update({name: hole(name) for name in changed})
+        for values, old in zip((scope.configurations, scope.environ), before, strict=True):
+            changed = [name for name in values if values[name] != old.get(name)]
+            values.update({name: hole(name) for name in changed})
 
     def _apply(self, element: Element, scope: Scope, place: Place) -> None:
         tag = element.tag

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import is_there
+from rtron.sources.code.python.unit import MAX_BYTES
 from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.given import Given
 from rtron.sources.launch2.parameters import ALL
@@ -20,6 +21,7 @@ from rtron.sources.launch2.words import (
     remaps_in,
     run_node,
     special,
+    split_pieces,
     split_words,
 )
 from rtron.vocabulary.remap_rules import UNKNOWN
@@ -46,6 +48,8 @@ class Starts(Surroundings):
         """Return what a Python launch file describes; raise InputError where there is none."""
         if not is_there(Path(path)) or not Path(path).is_file():
             raise InputError("is no file", path=path)
+        if Path(path).stat().st_size > MAX_BYTES:
+            raise InputError(f"larger than {MAX_BYTES // 2**20} MiB", path=path)
         return self.front(path)
 
     def node(self, element: Element, scope: Scope, place: Place) -> None:
@@ -157,9 +161,12 @@ class Starts(Surroundings):
 
     def _words(self, element: Element, key: str, scope: Scope, place: Place) -> tuple[str, ...]:
         """Return the words of an attribute, and of the elements that are a word each."""
-        text = self.evaluator.value(element, key, scope, place) or ""
-        words = [self.text(one, "value", scope, place) for one in element.named(key)]
-        return (*split_words(text), *words)
+        listed = [self.text(one, "value", scope, place) for one in element.named(key)]
+        substitution = self.evaluator.substitution(element, scope, place)
+        with self.evaluator.noting(element, place):
+            pieces = substitution.parsed(element.attributes.get(key, ""))
+            return (*map(substitution.perform, split_pieces(pieces)), *listed)
+        return tuple(listed)
 
     def _text(self, element: Element, key: str, scope: Scope, place: Place) -> str:
         return shown(self.text(element, key, scope, place))

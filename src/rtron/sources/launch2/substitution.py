@@ -89,9 +89,11 @@ class Substitution:
 
         Raise ValueError if it is malformed, UnresolvableError if it has no value here.
         """
-        if isinstance(text, str):
-            text = _Parser(self._bounded(text)).fragments("")
-        return self.perform(text)
+        return self.perform(self.parsed(text))
+
+    def parsed(self, text: Written) -> Pieces:
+        """Return a text taken apart; raise ValueError if it is malformed."""
+        return _Parser(self._bounded(text)).fragments("") if isinstance(text, str) else text
 
     def perform(self, pieces: Pieces) -> str:
         """Return a text that is taken apart already, its substitutions replaced."""

@@ -68,18 +68,21 @@ class Surroundings:
     def within(self, element: Element, path: str, scope: Scope, place: Place) -> Iterator[None]:
         """Read an included file."""
         own = evidence_of(element, place)
+        given = tuple(self._given(element, scope, place))
         self.includes.append([])
         try:
             with self.later(replace(self._around, chain=(*self._around.chain, own))):
                 yield
         finally:
             inner = tuple(self.includes.pop())
-            given = (*element.named("arg"), *element.named("let"))
-            names = [self.text(one, "name", scope, place) for one in given]
-            values = [scope.configurations.get(name, "") for name in names]
-            pairs = tuple(zip(map(shown, names), map(shown, values), strict=True))
-            found = Included(file=shown(path), arguments=pairs, evidence=own, includes=inner)
+            found = Included(file=shown(path), arguments=given, evidence=own, includes=inner)
             self.includes[-1].append(found)
+
+    def _given(self, element: Element, scope: Scope, place: Place) -> Iterator[tuple[str, str]]:
+        """Yield the arguments that an inclusion gives, and their values."""
+        for argument in (*element.named("arg"), *element.named("let")):
+            name = self.text(argument, "name", scope, place)
+            yield shown(name), shown(scope.configurations.get(name, ""))
 
     def text(self, element: Element, key: str, scope: Scope, place: Place) -> str:
         """Return an attribute's value, empty where there is none."""

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from rtron.sources.launch2.parameter_file import yaml_value
 from rtron.sources.launch2.parameters import ALL, ParameterSource
-from rtron.sources.launch2.pieces import shown
+from rtron.sources.launch2.pieces import Pieces, shown
 from rtron.sources.launch2.result import Start, StartKind
 from rtron.vocabulary import Evidence
 from rtron.vocabulary.parameters import Parameter
@@ -24,6 +24,29 @@ def split_words(text: str) -> list[str]:
         return shlex.split(text)
     except ValueError:
         return text.split()
+
+
+def split_pieces(pieces: Pieces) -> list[Pieces]:
+    """Return the words of a command line before it is evaluated: what a call gives stays whole.
+
+    A blank beside a call ends the word that it stands in (launch: ExecuteProcess).
+    """
+    found: list[Pieces] = []
+    word: Pieces = ()
+    for piece in pieces:
+        if not isinstance(piece, str):
+            word = (*word, piece)
+            continue
+        if piece[:1].isspace() and word:
+            found, word = [*found, word], ()
+        first, *others = split_words(piece) or [""]
+        for other in others:
+            found, word = [*found, (*word, *filter(None, [first]))], ()
+            first = other
+        word = (*word, first) if first else word
+        if piece[-1:].isspace() and word:
+            found, word = [*found, word], ()
+    return [*found, word] if word else found
 
 
 def remaps_in(words: Sequence[str]) -> Iterator[Rule]:
