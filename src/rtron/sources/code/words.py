@@ -7,19 +7,26 @@ from typing import Any, TypeAlias, TypeVar
 from rtron.sources.code.ir import (
     Assign,
     Attr,
+    Break,
     Call,
+    Continue,
     Declare,
+    Delete,
     Function,
     Index,
     Name,
     New,
+    Return,
     Stmt,
     TypeRef,
+    Yield,
 )
 
 _ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", "add", "update"])
 
 
+_LEAVING = (Assign, Break, Call, Continue, Delete, New, Return, Yield)
+_HARMLESS = frozenset({"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"})
 MAX_KEPT = 50_000
 
 _T = TypeVar("_T")
@@ -77,6 +84,22 @@ def assigned_names(body: tuple[Stmt, ...]) -> frozenset[str]:
     """Return the variables that statements assign to."""
     found = (target for node in _nodes(body) if isinstance(node, Assign) for target in node.targets)
     return frozenset(target.id for target in found if isinstance(target, Name))
+
+
+@_by_identity
+def effects(body: tuple[Stmt, ...]) -> frozenset[str]:
+    """Return what statements may do beside throwing: empty where they leave nothing behind."""
+    found = (node for node in _nodes(body) if isinstance(node, _LEAVING))
+    return frozenset(type(node).__name__ for node in found if not _is_harmless(node))
+
+
+def _is_harmless(node: Any) -> bool:  # noqa: ANN401 - any part of the IR
+    if isinstance(node, New):
+        return "xception" in node.type.name or "error" in node.type.name
+    called = set(_called(node.function)) if isinstance(node, Call) else set()
+    return bool(called) and all(
+        name in _HARMLESS or "xception" in name or name.endswith("_error") for name in called
+    )
 
 
 def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR

@@ -180,6 +180,7 @@ class CppObjects(CppCalls):
         arguments: Arguments,
         among: tuple[Function, ...],
     ) -> None:
+        self.machine.hand_on(arguments)
         made.bindings.setdefault(cls.name, made.types)
         plain = cls.name.rpartition("::")[2]
         constructors = among or self.overloads(f"{cls.name}::{plain}")
