@@ -32,8 +32,7 @@ from rtron.vocabulary import Durability, QoS, Reliability
             "publish /ns/t std_msgs/msg/Bool",
         ),
         (
-            "rclcpp::create_subscription<std_msgs::msg::Bool>("
-            'get_node_topics_interface(), get_node_topics_interface(), "t", 1, [](auto m) {})',
+            'rclcpp::create_subscription<std_msgs::msg::Bool>(topics, topics, "t", 1, [](auto m) {})'
             "subscribe /ns/t std_msgs/msg/Bool",
         ),
         (
@@ -41,8 +40,7 @@ from rtron.vocabulary import Durability, QoS, Reliability
             "action_server /ns/d a_msgs/action/Dock",
         ),
         (
-            "rclcpp_action::create_client<a_msgs::action::Dock>("
-            'get_node_base_interface(), get_node_graph_interface(), "d")',
+            'rclcpp_action::create_client<a_msgs::action::Dock>(topics, topics, topics, "d")',
             "action_client /ns/d a_msgs/action/Dock",
         ),
         (

@@ -27,6 +27,7 @@ _ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", 
 
 _LEAVING = (Assign, Break, Call, Continue, Delete, New, Return, Yield)
 _HARMLESS = frozenset({"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"})
+_SLOTS: dict[type, tuple[str, ...]] = {}
 MAX_KEPT = 50_000
 
 _T = TypeVar("_T")
@@ -106,11 +107,16 @@ def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR
     stack = [node]
     while stack:
         current = stack.pop()
-        if isinstance(current, tuple):
+        kind = type(current)
+        if kind is tuple:
             stack.extend(current)
-        elif hasattr(current, "__slots__"):
+            continue
+        slots = _SLOTS.get(kind)
+        if slots is None:
+            slots = _SLOTS[kind] = tuple(getattr(kind, "__slots__", ()))
+        if slots:
             yield current
-            stack.extend(getattr(current, name) for name in current.__slots__)
+            stack.extend([getattr(current, name) for name in slots])
 
 
 def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR

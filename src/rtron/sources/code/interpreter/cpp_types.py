@@ -41,6 +41,8 @@ class CppTypes:
     symbols: Symbols
     native_classes: Mapping[str, NativeClass]
     _classes: dict[str, ClassValue] = field(default_factory=dict)
+    _found: dict[tuple[str, str], ClassValue | NativeClass | None] = field(default_factory=dict)
+    _found_at: int = -1
     _overloads: dict[str, tuple[int, tuple[Function, ...]]] = field(default_factory=dict)
 
     def size(self) -> int:
@@ -69,6 +71,15 @@ class CppTypes:
     def class_of(self, type: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
         """Return the class that a type means, scanned or native."""
         resolved = self.resolved(type, frame)
+        key = resolved.name, frame.scope
+        if self._found_at != self.symbols.version:
+            self._found_at = self.symbols.version
+            self._found.clear()
+        if key not in self._found:
+            self._found[key] = self._class_of(resolved, frame)
+        return self._found[key]
+
+    def _class_of(self, resolved: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
         if "::" in resolved.name and resolved.name in self.native_classes:
             return self.native_classes[resolved.name]
         definition = self.symbols.class_named(resolved.name, frame.scope)
