@@ -32,7 +32,7 @@ from rtron.vocabulary import Durability, QoS, Reliability
             "publish /ns/t std_msgs/msg/Bool",
         ),
         (
-            'rclcpp::create_subscription<std_msgs::msg::Bool>(topics, topics, "t", 1, [](auto m) {})'
+            'rclcpp::create_subscription<std_msgs::msg::Bool>(topics, topics, "t", 1, heard)',
             "subscribe /ns/t std_msgs/msg/Bool",
         ),
         (
