@@ -152,6 +152,33 @@ def test_of_two_templates_the_one_for_any_value_is_meant():
     assert names(cpp(body, OVERLOADS)) == ["/ns/default"]
 
 
+HELD = """
+namespace lib { template<typename ParamsT> class Held {
+public: ParamsT * get() { return &params_; }
+protected: ParamsT params_; }; }
+namespace app { struct Parameters { std::string topic; };
+class Held : public lib::Held<Parameters> { public: explicit Held(rclcpp::Node * node) {
+  params_.topic = node->declare_parameter("topic", "default"); } }; }
+"""
+
+
+def test_parameters_may_be_held_by_a_template_of_another_namespace():
+    body = "auto held = std::make_shared<app::Held>(this);" + TOPIC.format("held->get()->topic")
+    assert names(cpp(body, HELD)) == ["/ns/default"]
+
+
+def test_a_list_of_pointers_holds_the_objects_themselves():
+    top = "struct Layer { std::string name; void name_it(std::string n) { name = n; } };"
+    body = """
+    std::vector<std::shared_ptr<Layer>> layers;
+    auto layer = std::make_shared<Layer>();
+    layers.push_back(layer);
+    layer->name_it("later");
+    """
+    found = cpp(body + TOPIC.format("layers[0]->name"), top)
+    assert names(found) == ["/ns/later"]
+
+
 def test_what_a_parameter_callback_changes_is_unknown_to_callbacks_alone():
     members = """
     std::string topic_ = "first";

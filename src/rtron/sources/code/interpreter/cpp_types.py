@@ -100,6 +100,14 @@ class CppTypes:
         found = self.symbols.type(type, frame.scope)
         return TypeRef(found.name, tuple(self.resolved(arg, frame) for arg in found.args))
 
+    def written_args(self, type: TypeRef, frame: Frame) -> tuple[TypeRef, ...]:
+        """Return the template arguments of a type, classes by the names they have everywhere."""
+        return tuple(self._full(arg, frame) for arg in self.resolved(type, frame).args)
+
+    def _full(self, type: TypeRef, frame: Frame) -> TypeRef:
+        found = self.symbols.class_named(type.name, frame.scope)
+        return type if found is None else TypeRef(found.name, type.args)
+
     def class_named(self, name: str) -> ClassValue | None:
         """Return a scanned class by its qualified name."""
         definition = self.symbols.class_named(name, "")

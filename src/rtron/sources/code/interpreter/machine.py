@@ -80,6 +80,7 @@ class Machine:
     called_back: int = 0
     instances: list[Value] = field(default_factory=list)
     volatile: frozenset[str] = frozenset()
+    shared: set[int] = field(default_factory=set)
     transitions: set[tuple[int, str]] = field(default_factory=set)
     parameters: dict[str, Value] = field(default_factory=dict)
     joining: dict[tuple[str, int, str], bool] = field(default_factory=dict)
