@@ -78,7 +78,7 @@ def _sites_found(
 
 
 def _named(one: ScannedProgram) -> Iterator[Declaration]:
-    """Yield what a program's nodes declare of themselves, under names of which something is told."""
+    """Yield what a program's nodes declare of themselves, if something is told of its name."""
     for declared in one.result.interface.declarations:
         if not declared.implicit and declared.node and not _NOTHING.search(declared.name):
             yield declared

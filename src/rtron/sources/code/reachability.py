@@ -82,6 +82,7 @@ API2_CPP = _BOTH | {
 """The same for ROS 2; parameters decide names there, so declaring one counts."""
 API2_PYTHON = _BOTH | {
     *("ActionServer", "ActionClient", "Subscriber", "Node", "LifecycleNode", "create_node"),
+    "create_lifecycle_publisher",
     *("Buffer", "Popen", "check_call", "create_sub_node", "ParameterEventHandler"),
 }
 _OF_CONTAINERS = frozenset(
@@ -231,9 +232,7 @@ def changed_at_any_time(machine: Machine) -> frozenset[str]:
     return frozenset(name for function in reached for name in written_names(function))
 
 
-def _reached(
-    machine: Machine, queue: list[Function], *, whole: bool = False
-) -> Iterator[Function]:
+def _reached(machine: Machine, queue: list[Function], *, whole: bool = False) -> Iterator[Function]:
     """Yield functions and what they may call, by plain names.
 
     Without `whole`, those that are known to join no nodes are left out.

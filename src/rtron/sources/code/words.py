@@ -7,19 +7,27 @@ from typing import Any, TypeAlias, TypeVar
 from rtron.sources.code.ir import (
     Assign,
     Attr,
+    Break,
     Call,
+    Continue,
     Declare,
+    Delete,
     Function,
     Index,
     Name,
     New,
+    Return,
     Stmt,
     TypeRef,
+    Yield,
 )
 
 _ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", "add", "update"])
 
 
+_LEAVING = (Assign, Break, Call, Continue, Delete, New, Return, Yield)
+_HARMLESS = frozenset({"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"})
+_SLOTS: dict[type, tuple[str, ...]] = {}
 MAX_KEPT = 50_000
 
 _T = TypeVar("_T")
@@ -79,15 +87,36 @@ def assigned_names(body: tuple[Stmt, ...]) -> frozenset[str]:
     return frozenset(target.id for target in found if isinstance(target, Name))
 
 
+@_by_identity
+def effects(body: tuple[Stmt, ...]) -> frozenset[str]:
+    """Return what statements may do beside throwing: empty where they leave nothing behind."""
+    found = (node for node in _nodes(body) if isinstance(node, _LEAVING))
+    return frozenset(type(node).__name__ for node in found if not _is_harmless(node))
+
+
+def _is_harmless(node: Any) -> bool:  # noqa: ANN401 - any part of the IR
+    if isinstance(node, New):
+        return "xception" in node.type.name or "error" in node.type.name
+    called = set(_called(node.function)) if isinstance(node, Call) else set()
+    return bool(called) and all(
+        name in _HARMLESS or "xception" in name or name.endswith("_error") for name in called
+    )
+
+
 def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR
     stack = [node]
     while stack:
         current = stack.pop()
-        if isinstance(current, tuple):
+        kind = type(current)
+        if kind is tuple:
             stack.extend(current)
-        elif hasattr(current, "__slots__"):
+            continue
+        slots = _SLOTS.get(kind)
+        if slots is None:
+            slots = _SLOTS[kind] = tuple(getattr(kind, "__slots__", ()))
+        if slots:
             yield current
-            stack.extend(getattr(current, name) for name in current.__slots__)
+            stack.extend([getattr(current, name) for name in slots])
 
 
 def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR

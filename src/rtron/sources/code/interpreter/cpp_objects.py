@@ -180,6 +180,7 @@ class CppObjects(CppCalls):
         arguments: Arguments,
         among: tuple[Function, ...],
     ) -> None:
+        self.machine.hand_on(arguments)
         made.bindings.setdefault(cls.name, made.types)
         plain = cls.name.rpartition("::")[2]
         constructors = among or self.overloads(f"{cls.name}::{plain}")
@@ -220,7 +221,7 @@ class CppObjects(CppCalls):
                 name = reference.name
                 given = initialisers.get(name, initialisers.get(name.rpartition("::")[2], ()))
                 if isinstance(base, (ClassValue, NativeClass)):
-                    made.bindings[base.name] = self.resolved(reference, frame).args
+                    made.bindings[base.name] = self.written_args(reference, frame)
                 self._base_part(made, base, inherited or self._given_to(given, frame))
         for member in cls.definition.fields:
             if not member.static:

@@ -41,6 +41,8 @@ class CppTypes:
     symbols: Symbols
     native_classes: Mapping[str, NativeClass]
     _classes: dict[str, ClassValue] = field(default_factory=dict)
+    _found: dict[tuple[str, str], ClassValue | NativeClass | None] = field(default_factory=dict)
+    _found_at: int = -1
     _overloads: dict[str, tuple[int, tuple[Function, ...]]] = field(default_factory=dict)
 
     def size(self) -> int:
@@ -69,6 +71,15 @@ class CppTypes:
     def class_of(self, type: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
         """Return the class that a type means, scanned or native."""
         resolved = self.resolved(type, frame)
+        key = resolved.name, frame.scope
+        if self._found_at != self.symbols.version:
+            self._found_at = self.symbols.version
+            self._found.clear()
+        if key not in self._found:
+            self._found[key] = self._class_of(resolved, frame)
+        return self._found[key]
+
+    def _class_of(self, resolved: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
         if "::" in resolved.name and resolved.name in self.native_classes:
             return self.native_classes[resolved.name]
         definition = self.symbols.class_named(resolved.name, frame.scope)
@@ -88,6 +99,14 @@ class CppTypes:
             type = TypeRef(f"{frame.types[head].name}::{rest}", type.args)
         found = self.symbols.type(type, frame.scope)
         return TypeRef(found.name, tuple(self.resolved(arg, frame) for arg in found.args))
+
+    def written_args(self, type: TypeRef, frame: Frame) -> tuple[TypeRef, ...]:
+        """Return the template arguments of a type, classes by the names they have everywhere."""
+        return tuple(self._full(arg, frame) for arg in self.resolved(type, frame).args)
+
+    def _full(self, type: TypeRef, frame: Frame) -> TypeRef:
+        found = self.symbols.class_named(type.name, frame.scope)
+        return type if found is None else TypeRef(found.name, type.args)
 
     def class_named(self, name: str) -> ClassValue | None:
         """Return a scanned class by its qualified name."""

@@ -80,6 +80,7 @@ class Machine:
     called_back: int = 0
     instances: list[Value] = field(default_factory=list)
     volatile: frozenset[str] = frozenset()
+    shared: set[int] = field(default_factory=set)
     transitions: set[tuple[int, str]] = field(default_factory=set)
     parameters: dict[str, Value] = field(default_factory=dict)
     joining: dict[tuple[str, int, str], bool] = field(default_factory=dict)
@@ -120,7 +121,7 @@ class Machine:
         if function.body is None or not self._may_enter(function):
             self._note_left(function, arguments)
             return Hole(f"{function.name}()", type=function.returns)
-        self._hand_on(arguments)
+        self.hand_on(arguments)
         frame = self.world.frame(called, arguments)
         try:
             ended = self._run_within(function, frame)
@@ -133,12 +134,6 @@ class Machine:
         if frame.yields:
             return ListValue({"items": tuple(frame.yields)})
         return join(frame.returns)
-
-    def _hand_on(self, arguments: Arguments) -> None:
-        """Remember the functions that a call passes, in case that nothing seen calls them."""
-        if self.recorder.site.ros > 1 and len(self.handed) < MAX_HANDED:
-            given = (value for value in arguments.values if isinstance(value, FunctionValue))
-            self.handed.extend(value for value in given if value not in self.handed)
 
     def _run_within(self, function: Function, frame: Frame) -> bool:
         """Run a function; one that joins no nodes may take few steps. Tell whether it ended."""
@@ -201,6 +196,12 @@ class Machine:
         elif self.matters(self, function):
             place = Evidence(file=function.file, line=function.line)
             self.recorder.unresolved(function.name, "more callbacks than are run", place)
+
+    def hand_on(self, arguments: Arguments) -> None:
+        """Remember the functions that a call passes, in case that nothing seen calls them."""
+        if self.recorder.site.ros > 1 and len(self.handed) < MAX_HANDED:
+            given = (value for value in arguments.values if isinstance(value, FunctionValue))
+            self.handed.extend(value for value in given if value not in self.handed)
 
     @contextmanager
     def looping(self) -> Iterator[int]:

@@ -46,7 +46,7 @@ def _append_left(machine: Machine, owner: ListValue, arguments: Arguments) -> Va
 def _push(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
     """`push_back`: an object of a class is copied, as C++ does."""
     item = arguments.get(0) or NONE
-    item = copied(item)
+    item = item if id(item) in machine.shared else copied(item)
     return _write(machine, owner, (*owner.items, item))
 
 

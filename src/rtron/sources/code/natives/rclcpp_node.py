@@ -16,6 +16,8 @@ from rtron.sources.code.interpreter.values import (
     Known,
     NativeClass,
     Value,
+    is_text,
+    options,
     truth,
 )
 from rtron.sources.code.natives import ros2_endpoints
@@ -100,15 +102,19 @@ def _join(
 
 
 def _words(arguments: Arguments, chosen: Instance) -> NodeWords:
-    second = arguments.get(1)
-    is_space = second is not None and not isinstance(second, Instance)
-    is_space = is_space and second not in {TRUE, FALSE}
     return NodeWords(
         name=arguments.get(0) or Hole("node"),
-        namespace=second if is_space and second is not None else Known(""),
+        namespace=_space(arguments) or Known(""),
         arguments=chosen.fields[_ARGUMENTS],
         globally=truth(chosen.fields[_GLOBALLY]) is not False,
     )
+
+
+def _space(arguments: Arguments) -> Value | None:
+    """Return a namespace among the arguments; what is unknown there may be the options."""
+    second, third = arguments.get(1), arguments.get(2)
+    may_be = any(map(is_text, options(second))) or (isinstance(second, Hole) and third is not None)
+    return second if may_be else None
 
 
 def _overrides(chosen: Instance) -> Value:

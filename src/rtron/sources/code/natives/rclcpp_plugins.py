@@ -19,6 +19,7 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 from rtron.sources.code.natives.cpp import cpp
+from rtron.sources.code.natives.cpp_callables import shared
 
 _UNKNOWN = Hole("?")
 _CREATE = (
@@ -56,7 +57,7 @@ def _load(
         return
     made = cpp(machine).plugin(str(name.value), str(base.value), arguments)
     if made is not None:
-        found[spelled_name] = made
+        found[spelled_name] = shared(machine, made)
     else:
         what = f"plugin {spelled_name}"
         machine.recorder.unresolved(what, "its source is not found", arguments.evidence)
