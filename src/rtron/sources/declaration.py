@@ -69,7 +69,9 @@ class NodeSite:
 
     In ROS 2 (`ros`) the parameters are `settings`, of which the last that fits counts. `named` and
     `placed` say that the launch gives the name and the namespace; where it does not, the source
-    does. They are for every node of the process that takes the process's arguments.
+    does. They are for every node of the process that takes the process's arguments. A component has
+    besides these, which are its container's, `args` and `overrides` of its own: the arguments and
+    the parameters of the options that it is loaded with.
     """
 
     name: str
@@ -82,6 +84,7 @@ class NodeSite:
     named: bool = True
     placed: bool = True
     settings: tuple[ParameterSetting, ...] = ()
+    overrides: tuple[tuple[str, ParameterValue], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

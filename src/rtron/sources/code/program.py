@@ -32,7 +32,7 @@ from rtron.sources.code.natives.python_builtins import BUILTINS
 from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, command_line, constants
 from rtron.sources.code.natives.python_ros import PYTHON_ROS
 from rtron.sources.code.natives.rclcpp import RCLCPP_CLASSES, RCLCPP_CONSTANTS, RCLCPP_FUNCTIONS
-from rtron.sources.code.natives.rclcpp_node import make_options
+from rtron.sources.code.natives.rclcpp_node import loading_options
 from rtron.sources.code.natives.rclpy import rclpy_natives
 from rtron.sources.code.reachability import (
     changed_at_any_time,
@@ -127,8 +127,9 @@ def run_component(
             )
         else:
             frame = Frame(file=found.definition.file)
-            options = make_options(machine, Arguments(frame=frame))
-            given = Arguments(values=(options,), line=found.definition.line, frame=frame)
+            given = Arguments(
+                values=(loading_options(site),), line=found.definition.line, frame=frame
+            )
             _part(machine, Path(frame.file), world.make_globals)
             _bounded(machine, Path(frame.file), partial(world.instantiate, found, given))
         return machine

@@ -21,6 +21,7 @@ from rtron.sources.code.interpreter.values import (
     truth,
 )
 from rtron.sources.code.natives import ros2_endpoints
+from rtron.sources.code.natives.names import value_of
 from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT_METHODS
 from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_METHODS, parameter, watch
 from rtron.sources.code.natives.ros2_nodes import (
@@ -36,6 +37,7 @@ from rtron.sources.code.natives.ros2_nodes import (
     sub_node,
 )
 from rtron.sources.code.natives.ros2_parameters import OVERRIDES
+from rtron.sources.declaration import NodeSite
 
 _UNKNOWN = Hole("?")
 _ARGUMENTS, _GLOBALLY, _GIVEN = "options.arguments", "options.globally", "options.overrides"
@@ -55,6 +57,15 @@ def make_options(_: Machine, arguments: Arguments) -> Instance:
     fields: dict[object, Value] = {_ARGUMENTS: listed(()), _GIVEN: listed(())}
     fields |= {_GLOBALLY: TRUE, _SERVICES: TRUE, _AUTOMATIC: FALSE}
     return Instance(OPTIONS, {**fields, **before})
+
+
+def loading_options(site: NodeSite) -> Instance:
+    """Return the options that a container makes a component with (rclcpp_components)."""
+    own = (parameter(Known(name), value_of(value, f"~{name}")) for name, value in site.overrides)
+    fields: dict[object, Value] = {_ARGUMENTS: listed(tuple(map(Known, site.args)))}
+    fields |= {_GIVEN: listed(tuple(own))}
+    fields |= {_GLOBALLY: TRUE, _SERVICES: TRUE, _AUTOMATIC: FALSE}
+    return Instance(OPTIONS, fields)
 
 
 def _set(field: str, machine: Machine, owner: Instance, arguments: Arguments) -> Value:
