@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -13,15 +12,13 @@ from rtron.sources.static.cache import open_cache
 from rtron.sources.static.interpreting import Interpreting
 from rtron.sources.static.launched import Launch
 from rtron.sources.static.options import ScanOptions
-from rtron.sources.static.part import Part
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.ros2_assembly import Ros2Assembly
-from rtron.sources.static.ros2_container import PACKAGE, container_of
+from rtron.sources.static.ros2_known import with_known
 from rtron.sources.static.ros2_scan import ros2_workspace
 from rtron.sources.static.ros2_started import StartedNodes
 from rtron.sources.static.structure import workspace_state
 from rtron.sources.static.worker import deep_recursion
-from rtron.sources.workspace import Workspace
 from rtron.vocabulary import InteractionGraph
 
 
@@ -37,7 +34,8 @@ def scan_ros2_app(
     what is wrong elsewhere stands in the graph's `unresolved`.
     """
     chosen, workspace = options or ScanOptions(), ros2_workspace(folders)
-    read = _read(launches, environ, workspace)
+    files = WorkspaceFiles(workspace)
+    read = _read(launches, environ, files)
     started = StartedNodes(workspace=workspace, environ=environ)
     nodes = list(started.nodes([start for launch in read for start in launch.starts]))
     state = workspace_state(workspace) if chosen.cache else ""
@@ -50,16 +48,15 @@ def scan_ros2_app(
     assembly = Ros2Assembly(workspace=workspace)
     with closing(interpreting):
         for part in interpreting.parts(nodes):
-            assembly.add(_with_container(part))
+            assembly.add(with_known(part, files))
     assembly.note(*(note for launch in read for note in launch.unresolved))
     assembly.note(*started.notes.unresolved)
     return assembly.graph(Path(read[0].file).name.split(".")[0] if read else "")
 
 
 def _read(
-    launches: Sequence[Launch], environ: Mapping[str, str], workspace: Workspace
+    launches: Sequence[Launch], environ: Mapping[str, str], files: WorkspaceFiles
 ) -> list[AppLaunch]:
-    files = WorkspaceFiles(workspace)
     with deep_recursion():
         found = [read_app_launch(path, given, environ, files) for path, given in launches]
     for launch, (_, given) in zip(found, launches, strict=True):
@@ -78,9 +75,3 @@ def _check(launch: AppLaunch, given: Mapping[str, str]) -> None:
             place, help = argument.evidence, f"add {argument.name}:=VALUE"
             message = f"argument '{argument.name}' is not given"
             raise InputError(message, path=place.file, line=place.line, help=help)
-
-
-def _with_container(part: Part) -> Part:
-    """Return the part of a container with what is known of containers."""
-    is_container = part.node.package == PACKAGE and not part.node.container
-    return replace(part, interface=container_of(part)) if is_container else part
