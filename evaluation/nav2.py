@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from evaluation.nav2_launch import launch_figures
 from evaluation.part import Tell
 from evaluation.place import Place
 from evaluation.ros2_call_sites import Site, call_sites
@@ -47,9 +48,12 @@ def figures(here: Place, tell: Tell) -> Iterator[Figure]:
         found, cold = _scanned(folder, options)
         tell.progress("navigation2, warm")
         _, warm = _scanned(folder, options)
+        tell.progress("navigation2, launched")
+        launched = list(launch_figures(folder, options, tell))
     yield from _sites_found(call_sites(folder), found, tell)
     yield Figure("nav2.cold", cold, _PEER_SECONDS, "s", at_most=6)
     yield Figure("nav2.warm", warm, None, "s", at_most=1)
+    yield from launched
 
 
 def _scanned(folder: Path, options: ScanOptions) -> tuple[Sequence[ScannedProgram], float]:
