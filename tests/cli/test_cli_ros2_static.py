@@ -39,6 +39,17 @@ def test_a_folder_may_have_launch_files_of_both_generations(rtron, folder):
     assert "help: scan the two apps apart" in ran.err
 
 
+def test_a_package_in_a_package_is_a_part_of_it(rtron, folder):
+    inner = folder / "keys" / "tests" / "inner"
+    (inner / "launch").mkdir(parents=True)
+    (inner / "package.xml").write_text("<package><name>inner</name></package>")
+    text = '<launch><arg name="a"/><let name="b" value=""/></launch>'
+    (inner / "launch" / "in.launch.xml").write_text(text)
+    assert "keys/in.launch.xml" in rtron("scan", folder).out
+    ran = rtron("scan", folder, "--launch", "keys/in.launch.xml", "a:=1", "--fail-on", "never")
+    assert (ran.code, ran.err) == (0, "")
+
+
 def test_a_scan_is_of_ros_2_and_takes_arguments(rtron, folder):
     app = ("--launch", "parts/robot.launch.py", "out:=/drive", "-j", "1")
     ran = rtron("scan", folder, *app, "--format", "graph", "--fail-on", "never")

@@ -24,10 +24,10 @@ _Declared: TypeAlias = tuple[str, bool]
 
 def ros2_launches(folders: Iterable[Path]) -> Iterator[ListedLaunch]:
     """Yield the launch files of ROS 2 below folders, by path; what they include is not read."""
-    packages: dict[Path, str] = {}
-    for path in launch_files2(folders):
+    tops, packages = {folder.absolute() for folder in folders}, dict[Path, str]()
+    for path in launch_files2(tops):
         if generation_of(path) > 1:
-            yield _listed(path, _package(path.parent, packages))
+            yield _listed(path, _package(path.parent, tops, packages))
 
 
 def _listed(path: Path, package: str) -> ListedLaunch:
@@ -71,10 +71,10 @@ def _name(called: ast.expr) -> str:
     return getattr(called, "attr", getattr(called, "id", ""))
 
 
-def _package(folder: Path, known: dict[Path, str]) -> str:
-    """Return the package that a folder lies in, empty for none."""
+def _package(folder: Path, tops: Iterable[Path], known: dict[Path, str]) -> str:
+    """Return the package that a folder lies in, empty for none: packages do not nest."""
     if folder not in known:
-        is_package, is_top = (folder / "package.xml").is_file(), folder == folder.parent
-        above = "" if is_top or is_package else _package(folder.parent, known)
-        known[folder] = package_name(folder) if is_package else above
+        outer = "" if folder in tops else _package(folder.parent, tops, known)
+        is_package = not outer and (folder / "package.xml").is_file()
+        known[folder] = package_name(folder) if is_package else outer
     return known[folder]
