@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from evaluation import autorace, autoware, calls, demos, functions, launches
+from evaluation import autorace, autoware, calls, demos, functions, launch2, launches, nav2
 from evaluation.part import Part, Tell
 from evaluation.place import AbsentError, Place, place
 from evaluation.subjects import AUTORALLY, TURTLEBOT
@@ -23,6 +23,8 @@ PARTS: dict[str, Part] = {
     "autoware": autoware.figures,
     "calls": calls.figures,
     "launches": launches.figures,
+    "launch2": launch2.figures,
+    "nav2": nav2.figures,
     "functions": functions.figures,
     "demos": demos.figures,
 }

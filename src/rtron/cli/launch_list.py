@@ -20,7 +20,7 @@ def listed_launches(folders: Sequence[Path], format: TextOrJson) -> str | Report
     """Return the launch files below folders; raise InputError if there are none."""
     found = named_launches(folders)
     if not found:
-        help = "give the folder of a ROS 1 workspace, or of a package"
+        help = "give the folder of a ROS workspace, or of a package"
         raise InputError("no launch files", path=str(folders[0]), help=help)
     if format is TextOrJson.JSON:
         return as_json(_document(found))

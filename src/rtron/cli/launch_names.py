@@ -17,11 +17,14 @@ def launch_name(launch: ListedLaunch) -> str:
 
 def named_launches(folders: Iterable[Path]) -> dict[str, ListedLaunch]:
     """Return the launch files by name; those of a package that share a name, by path."""
-    found = launch_files(folders)
-    counted = Counter(map(launch_name, found))
+    from rtron.sources.static.ros2_listing import ros2_launches  # noqa: PLC0415 - the guard starts without it
+
+    folders = list(folders)
+    found = {each.path: each for each in (*launch_files(folders), *ros2_launches(folders))}
+    counted = Counter(map(launch_name, found.values()))
     return {
         launch_name(each) if counted[launch_name(each)] == 1 else str(each.path): each
-        for each in found
+        for each in found.values()
     }
 
 

@@ -95,6 +95,7 @@ def scan(  # noqa: PLR0913 - one for each option
     $ rtron scan src                                     its launch files
     $ rtron scan src --launch pkg/app.launch model:=big
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
+    $ rtron scan src --launch pkg/app.launch.py           ROS 2: .py, .xml, .yaml
     $ rtron scan --live --format graph --fail-on never -o graph.json
     $ rtron scan --live --ros 2 --domain 7       where ROS 2 runs, in domain 7
     $ rtron scan graph.json --format json --fail-on high

@@ -16,7 +16,7 @@ from rtron.vocabulary import InteractionGraph
 if TYPE_CHECKING:
     from rtron.sources.workspace import Workspace
 
-_TAKEN = "ROS_PACKAGE_PATH"
+_TAKEN = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,13 +38,17 @@ class StaticSource:
     environ: Mapping[str, str]
     options: ScanOptions
     workspace: "Workspace"
+    ros: int = 1
 
     def read(self) -> InteractionGraph:
         """Return the graph, with a progress bar where somebody sees it."""
         from rtron.sources.static.app import scan_app  # noqa: PLC0415 - the guard starts without it
+        from rtron.sources.static.ros2_app import scan_ros2_app  # noqa: PLC0415 - likewise
 
         with shown_progress() as progress:
             options = replace(self.options, progress=progress)
+            if self.ros > 1:
+                return scan_ros2_app(self.folders, self.launches, self.environ, options)
             return scan_app(self.folders, self.launches, self.environ, options).graph
 
     def descriptions(self, graph: InteractionGraph) -> Mapping[str, str]:
@@ -58,8 +62,9 @@ def static_source(
 ) -> StaticSource:
     """Return the app in source; raise InputError for a launch file that is not there."""
     from rtron.sources.static.cache import user_cache  # noqa: PLC0415 - the guard starts without it
-    from rtron.sources.static.launch_paths import find_launch  # noqa: PLC0415 - the guard starts without it
-    from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.static.generation import generation_of  # noqa: PLC0415 - likewise
+    from rtron.sources.static.launch_paths import find_launch  # noqa: PLC0415 - likewise
+    from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - likewise
 
     if not choice.launches:
         help = f"rtron scan {shlex.quote(str(folders[0]))} lists the launch files"
@@ -74,14 +79,24 @@ def static_source(
     options = ScanOptions(cache=user_cache() if choice.use_cache else None)
     if choice.jobs:
         options = replace(options, workers=choice.jobs)
-    return StaticSource(tuple(folders), tuple(launches), environ, options, workspace)
+    ros = _sole({path: generation_of(path) for path, _ in launches})
+    return StaticSource(tuple(folders), tuple(launches), environ, options, workspace, ros)
+
+
+def _sole(generations: Mapping[Path, int]) -> int:
+    """Return the ROS that all launch files are of; raise InputError where they differ."""
+    first = {generation: path for path, generation in generations.items()}
+    if len(first) > 1:
+        message = f"{first[1].name} is of ROS 1 and {first[2].name} of ROS 2"
+        raise InputError(message, help="scan the two apps apart: one --launch each")
+    return next(iter(first))
 
 
 def _environ(given: Sequence[str]) -> dict[str, str]:
     for each in given:
         if "=" not in each or each.startswith("=") or ASSIGNED in each:
             raise InputError(f"what is --env {each}?", help="write --env NAME=VALUE")
-    environ = {_TAKEN: os.environ[_TAKEN]} if _TAKEN in os.environ else {}
+    environ = {name: os.environ[name] for name in _TAKEN if name in os.environ}
     return environ | dict(each.split("=", 1) for each in given)
 
 

@@ -2,7 +2,15 @@
 
 from dataclasses import dataclass, field
 
-from rtron.vocabulary import Evidence, Parameters, Resolution, Unresolved, Word
+from rtron.vocabulary import (
+    Evidence,
+    Parameters,
+    ParameterValue,
+    QoS,
+    Resolution,
+    Unresolved,
+    Word,
+)
 
 
 class DeclarationKind(Word):
@@ -23,15 +31,33 @@ class Declaration:
     `name` is absolute, as it resolves in its node before any remapping; what is not known of it
     stands in braces (`/{~prefix}/scan`). An action's `name` is its namespace and its `type` ends
     in `Action`. `implicit` marks what a library declares by itself.
+
+    ROS 2: `type` is `package/msg/Name`, an action's `package/action/Name`; `node` is the full name
+    of the node, of which a process may have several; `evidence` begins where the name is given,
+    and ends where a wrapper hands it to the client library; `qos` is there where it is literal.
     """
 
     kind: DeclarationKind
     name: str
     type: str = ""
+    node: str = ""
+    qos: QoS | None = None
     implicit: bool = False
     latched: bool = False
     resolution: Resolution = Resolution.LITERAL
     evidence: tuple[Evidence, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParameterSetting:
+    """A parameter that a launch sets in ROS 2, for the nodes whose full name fits `node`.
+
+    `node` is a key of a parameter file (`/**`, `/robot/*`, `/robot/driver`), `name` has its dots.
+    """
+
+    node: str
+    name: str
+    value: ParameterValue
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +66,12 @@ class NodeSite:
 
     `remaps` lead from absolute declared names to absolute targets. `complete` says that
     `parameters` holds all there are: what is not in it is not set.
+
+    In ROS 2 (`ros`) the parameters are `settings`, of which the last that fits counts. `named` and
+    `placed` say that the launch gives the name and the namespace; where it does not, the source
+    does. They are for every node of the process that takes the process's arguments. A component has
+    besides these, which are its container's, `args` and `overrides` of its own: the arguments and
+    the parameters of the options that it is loaded with.
     """
 
     name: str
@@ -48,6 +80,11 @@ class NodeSite:
     remaps: tuple[tuple[str, str], ...] = ()
     environ: tuple[tuple[str, str], ...] = ()
     complete: bool = True
+    ros: int = 1
+    named: bool = True
+    placed: bool = True
+    settings: tuple[ParameterSetting, ...] = ()
+    overrides: tuple[tuple[str, ParameterValue], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,9 +97,27 @@ class StartedLaunch:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NodeInterface:
-    """All that one node declares, and what of it could not be found out."""
+class MadeNode:
+    """A node that a process of ROS 2 makes: its full name, and the remaps that it gives itself.
 
+    The remaps are rules as written, and count before the process's. `globally` says that the
+    process's own count for it at all (rclcpp: NodeOptions::use_global_arguments).
+    """
+
+    name: str
+    remaps: tuple[tuple[str, str], ...] = ()
+    globally: bool = True
+    evidence: tuple[Evidence, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeInterface:
+    """All that one node declares, and what of it could not be found out.
+
+    `nodes` are those of a process of ROS 2, in the order they are made.
+    """
+
+    nodes: tuple[MadeNode, ...] = ()
     declarations: tuple[Declaration, ...] = ()
     starts: tuple[StartedLaunch, ...] = ()
     unresolved: tuple[Unresolved, ...] = ()

@@ -15,6 +15,7 @@ from rtron.sources.code.interpreter.python_world import PythonWorld
 from rtron.sources.code.interpreter.recorder import Recorder
 from rtron.sources.code.interpreter.statements import EXECUTORS
 from rtron.sources.code.interpreter.symbols import Symbols
+from rtron.sources.code.interpreter.trail import Trail
 from rtron.sources.code.interpreter.values import (
     ClassValue,
     FunctionValue,
@@ -26,11 +27,19 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.interpreter.world import World
 from rtron.sources.code.ir import Problem
 from rtron.sources.code.natives.cpp_ros import CPP_ROS_CLASSES, CPP_ROS_FUNCTIONS
-from rtron.sources.code.natives.cpp_std import CPP_STD_CLASSES, CPP_STD_FUNCTIONS
+from rtron.sources.code.natives.cpp_std import CONSTANTS, CPP_STD_CLASSES, CPP_STD_FUNCTIONS
 from rtron.sources.code.natives.python_builtins import BUILTINS
 from rtron.sources.code.natives.python_library import PYTHON_LIBRARY, command_line, constants
 from rtron.sources.code.natives.python_ros import PYTHON_ROS
-from rtron.sources.code.reachability import changed_at_any_time, joins_nodes, run_pending
+from rtron.sources.code.natives.rclcpp import RCLCPP_CLASSES, RCLCPP_CONSTANTS, RCLCPP_FUNCTIONS
+from rtron.sources.code.natives.rclcpp_node import loading_options
+from rtron.sources.code.natives.rclpy import rclpy_natives
+from rtron.sources.code.reachability import (
+    changed_at_any_time,
+    joins_nodes,
+    run_pending,
+    run_transitions,
+)
 from rtron.sources.code.unreached import JOINS, note_unreached
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence
@@ -38,20 +47,31 @@ from rtron.vocabulary import Evidence
 _PIECE = "cannot be read: "
 
 
-def run_python(script: Path, site: NodeSite, files: Files) -> NodeInterface:
-    """Return what a Python script declares when it runs as the node at `site`."""
+def run_python(script: Path, site: NodeSite, files: Files, function: str = "") -> NodeInterface:
+    """Return what a Python script declares when it runs as the node at `site`.
+
+    With `function` it is a module of which that function is called (an entry point).
+    """
 
     def run(volatile: frozenset[str]) -> Machine:
-        world = PythonWorld(
-            files=files, natives={**PYTHON_ROS, **PYTHON_LIBRARY}, builtins=BUILTINS
-        )
+        ros = PYTHON_ROS if site.ros == 1 else rclpy_natives()
+        world = PythonWorld(files=files, natives={**ros, **PYTHON_LIBRARY}, builtins=BUILTINS)
         machine = _machine(world, site, volatile)
         world.machine = machine
         world.natives = {**world.natives, **constants(machine)}
-        _bounded(machine, script, lambda: world.run(script, "__main__"))
+        _bounded(machine, script, lambda: _run_script(world, script, function))
         return machine
 
     return _settled(run)
+
+
+def _run_script(world: PythonWorld, script: Path, function: str) -> None:
+    if not function:
+        world.run(script, "__main__")
+        return
+    module = world.run(script, script.stem)
+    called = module.fields.get(function) or Hole(function)
+    dispatch(world.machine, called, Arguments(frame=Frame(file=str(script))))
 
 
 def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: Files) -> NodeInterface:
@@ -92,6 +112,31 @@ def run_nodelet(sources: tuple[Path, ...], cls: str, site: NodeSite, files: File
     return _settled(run)
 
 
+def run_component(
+    sources: tuple[Path, ...], cls: str, site: NodeSite, files: Files
+) -> NodeInterface:
+    """Return what a component's class declares: made with the options of a launch (ROS 2)."""
+
+    def run(volatile: frozenset[str]) -> Machine:
+        world, machine = _cpp(sources, site, files, volatile)
+        found = world.class_named(cls)
+        if found is None:
+            place = Evidence(file=str(sources[0]) if sources else "")
+            machine.recorder.unresolved(
+                f"component {cls}", "its class is not in the sources", place
+            )
+        else:
+            frame = Frame(file=found.definition.file)
+            given = Arguments(
+                values=(loading_options(site),), line=found.definition.line, frame=frame
+            )
+            _part(machine, Path(frame.file), world.make_globals)
+            _bounded(machine, Path(frame.file), partial(world.instantiate, found, given))
+        return machine
+
+    return _settled(run)
+
+
 def _count(words: ListValue) -> Value:
     return Hole("argc") if words.open else Known(len(words.items))
 
@@ -104,9 +149,12 @@ def _load(world: CppWorld, cls: ClassValue) -> None:
 
 
 def _settled(run: Callable[[frozenset[str]], Machine]) -> NodeInterface:
-    """Run a program, and once more with what its callbacks change taken as unknown."""
+    """Run a program, and once more with what its callbacks change taken as unknown.
+
+    In ROS 2 these run when the node is spun: what they change is unknown then, not before.
+    """
     machine = run(frozenset())
-    volatile = changed_at_any_time(machine)
+    volatile = changed_at_any_time(machine) if machine.recorder.site.ros == 1 else frozenset()
     settled = run(volatile) if volatile else machine
     note_unreached(settled, settled.world.own_functions())
     return settled.recorder.result()
@@ -115,14 +163,16 @@ def _settled(run: Callable[[frozenset[str]], Machine]) -> NodeInterface:
 def _cpp(
     sources: tuple[Path, ...], site: NodeSite, files: Files, volatile: frozenset[str]
 ) -> tuple[CppWorld, Machine]:
-    symbols = Symbols(files, sources)
+    ros2 = site.ros > 1
+    symbols = Symbols(files, sources, everywhere=ros2)
     for source in sources:
         symbols.load(source)
     world = CppWorld(
         files=files,
         symbols=symbols,
-        functions={**CPP_STD_FUNCTIONS, **CPP_ROS_FUNCTIONS},
-        native_classes={**CPP_STD_CLASSES, **CPP_ROS_CLASSES},
+        functions={**CPP_STD_FUNCTIONS, **(RCLCPP_FUNCTIONS if ros2 else CPP_ROS_FUNCTIONS)},
+        native_classes={**CPP_STD_CLASSES, **(RCLCPP_CLASSES if ros2 else CPP_ROS_CLASSES)},
+        constants={**CONSTANTS, **(RCLCPP_CONSTANTS if ros2 else {})},
     )
     machine = _machine(world, site, volatile)
     world.machine = machine
@@ -146,12 +196,16 @@ def _machine(world: World, site: NodeSite, volatile: frozenset[str]) -> Machine:
         executors=dict(EXECUTORS),
         volatile=volatile,
         matters=joins_nodes,
+        trail=Trail(elementwise=site.ros > 1),
     )
 
 
 def _bounded(machine: Machine, path: Path, run: Callable[[], object]) -> None:
     """Run a program and what it leaves to be called; what does not end is noted."""
     _part(machine, path, run)
+    if machine.recorder.site.ros > 1:
+        _part(machine, path, partial(run_transitions, machine))
+        machine.volatile = changed_at_any_time(machine)
     _part(machine, path, partial(run_pending, machine))
 
 

@@ -1,5 +1,7 @@
 """The workspace as the interpreter sees it: files lowered once, headers and modules found."""
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -7,13 +9,16 @@ from rtron.errors import InputError
 from rtron.messages.definitions import standard_names
 from rtron.sources.bounded import read_bounded
 from rtron.sources.code.cpp import lower_cpp
+from rtron.sources.code.defining import defining, naming
 from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.ir import Language, Problem, Unit
 from rtron.sources.code.python import lower_python
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_inside
+from rtron.sources.workspace.package import TargetKind
 
 MAX_DATA = 2**20
+_TESTING = re.compile("(^|_)tests?($|_)")
 
 
 @dataclass(eq=False, slots=True)
@@ -22,6 +27,7 @@ class WorkspaceFiles:
 
     workspace: Workspace
     definitions: tuple[str, ...] = ()
+    _sources: dict[str, Mapping[str, tuple[Path, ...]]] = field(default_factory=dict)
     _units: dict[tuple[Path, Language, tuple[str, ...]], Unit] = field(default_factory=dict)
 
     def defining(self, definitions: tuple[str, ...]) -> "WorkspaceFiles":
@@ -71,6 +77,38 @@ class WorkspaceFiles:
         if found is None or found.program is None:
             return None
         return Plugin(found.declared.type, found.program.sources)
+
+    def plugins(self, base: str) -> tuple[str, ...]:
+        """Return the names of all plugins of a base class, but for those of packages for tests."""
+        found = self.workspace.plugins(base)
+        names = (one.name for one in found if not _TESTING.search(one.package))
+        return tuple(dict.fromkeys(names))
+
+    def library(self, name: str) -> tuple[Path, ...]:
+        """Return the sources of the library that a file name means."""
+        found = self.workspace.library(name)
+        return found.sources if found is not None else ()
+
+    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+        """Return the sources of each library that has a word in one of them."""
+        packages = (self.workspace.contents(package) for package in self.workspace.packages)
+        targets = (target for contents in packages if contents for target in contents.targets)
+        libraries = [target.sources for target in targets if target.kind is TargetKind.LIBRARY]
+        return tuple(sources for sources in libraries if naming(sources, word))
+
+    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+        """Return those of some sources whose text has a word."""
+        return naming(sources, word)
+
+    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+        """Return the sources of a header's package that may define a class or function."""
+        package = self.workspace.package_of(header)
+        if package is None:
+            return ()
+        if package not in self._sources:
+            contents = self.workspace.contents(package)
+            self._sources[package] = defining(contents.targets if contents else ())
+        return self._sources[package].get(word, ())
 
 
 def _lowered(path: Path, language: Language, definitions: tuple[str, ...]) -> Unit:

@@ -19,6 +19,13 @@ JOINS = frozenset(
         "Subscriber",
         "SimpleActionClient",
         "SimpleActionServer",
+        "create_publisher",
+        "create_subscription",
+        "create_service",
+        "create_client",
+        "create_server",
+        "create_generic_publisher",
+        "create_generic_subscription",
     ]
 )
 

@@ -1,33 +1,63 @@
 """The plain names that a function calls and writes, found once and kept."""
 
-from collections.abc import Iterator
-from functools import lru_cache
-from typing import Any
+from collections.abc import Callable, Iterator
+from functools import wraps
+from typing import Any, TypeAlias, TypeVar
 
 from rtron.sources.code.ir import (
     Assign,
     Attr,
+    Break,
     Call,
+    Continue,
     Declare,
+    Delete,
     Function,
     Index,
     Name,
     New,
+    Return,
     Stmt,
     TypeRef,
+    Yield,
 )
 
 _ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", "add", "update"])
 
 
-@lru_cache(maxsize=50_000)
+_LEAVING = (Assign, Break, Call, Continue, Delete, New, Return, Yield)
+_HARMLESS = frozenset({"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"})
+_SLOTS: dict[type, tuple[str, ...]] = {}
+MAX_KEPT = 50_000
+
+_T = TypeVar("_T")
+_Names: TypeAlias = frozenset[str]
+
+
+def _by_identity(find: Callable[[_T], _Names]) -> Callable[[_T], _Names]:
+    """Keep what is found in a part of the IR by its identity: a hash goes through all of it."""
+    kept: dict[int, tuple[_T, _Names]] = {}
+
+    @wraps(find)
+    def found(part: _T) -> _Names:
+        known = kept.get(id(part))
+        if known is None:
+            if len(kept) >= MAX_KEPT:
+                kept.clear()
+            known = kept[id(part)] = part, find(part)
+        return known[1]
+
+    return found
+
+
+@_by_identity
 def called_words(function: Function) -> frozenset[str]:
     """Return the last parts of the names of all that a function calls or makes."""
     bodies = (function.body or (), tuple(args for _, args in function.initialisers))
     return frozenset(word for body in bodies for word in _words(body))
 
 
-@lru_cache(maxsize=50_000)
+@_by_identity
 def written_names(function: Function) -> frozenset[str]:
     """Return the members and globals that a function may assign to."""
     local = {declared.name for declared in _nodes(function.body) if isinstance(declared, Declare)}
@@ -50,22 +80,43 @@ def written_names(function: Function) -> frozenset[str]:
     return frozenset(names)
 
 
-@lru_cache(maxsize=20_000)
+@_by_identity
 def assigned_names(body: tuple[Stmt, ...]) -> frozenset[str]:
     """Return the variables that statements assign to."""
     found = (target for node in _nodes(body) if isinstance(node, Assign) for target in node.targets)
     return frozenset(target.id for target in found if isinstance(target, Name))
 
 
+@_by_identity
+def effects(body: tuple[Stmt, ...]) -> frozenset[str]:
+    """Return what statements may do beside throwing: empty where they leave nothing behind."""
+    found = (node for node in _nodes(body) if isinstance(node, _LEAVING))
+    return frozenset(type(node).__name__ for node in found if not _is_harmless(node))
+
+
+def _is_harmless(node: Any) -> bool:  # noqa: ANN401 - any part of the IR
+    if isinstance(node, New):
+        return "xception" in node.type.name or "error" in node.type.name
+    called = set(_called(node.function)) if isinstance(node, Call) else set()
+    return bool(called) and all(
+        name in _HARMLESS or "xception" in name or name.endswith("_error") for name in called
+    )
+
+
 def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR
     stack = [node]
     while stack:
         current = stack.pop()
-        if isinstance(current, tuple):
+        kind = type(current)
+        if kind is tuple:
             stack.extend(current)
-        elif hasattr(current, "__slots__"):
+            continue
+        slots = _SLOTS.get(kind)
+        if slots is None:
+            slots = _SLOTS[kind] = tuple(getattr(kind, "__slots__", ()))
+        if slots:
             yield current
-            stack.extend(getattr(current, name) for name in current.__slots__)
+            stack.extend([getattr(current, name) for name in slots])
 
 
 def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
@@ -74,8 +125,10 @@ def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
             yield from _called(current.function)
         elif isinstance(current, New):
             yield current.type.name.rpartition("::")[2]
+            yield current.type.name
         elif isinstance(current, TypeRef):
             yield current.name.rpartition("::")[2]
+            yield current.name
 
 
 def _called(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression

@@ -69,7 +69,7 @@ def _listed(path: Path, package: str) -> ListedLaunch | None:
         launch = parse_launch(str(path)).launch
     except InputError as error:
         return ListedLaunch(path=path, package=package, fault=str(error))
-    if any(_is_ros2(element) for element in launch.iter("*")):
+    if is_ros2(launch):
         return None
     arguments = [tag for tag in launch.iterchildren("arg") if tag.get("value") is None]
     optional = {str(tag.get("name")) for tag in arguments if tag.get("default") is not None}
@@ -81,6 +81,11 @@ def _listed(path: Path, package: str) -> ListedLaunch | None:
         optional=tuple(name for name in names if name in optional),
         includes=tuple(str(tag.get("file")) for tag in launch.iter("include")),
     )
+
+
+def is_ros2(launch: Element) -> bool:
+    """Tell whether a launch file has elements or attributes that ROS 2 alone has."""
+    return any(_is_ros2(element) for element in launch.iter("*"))
 
 
 def _is_ros2(element: Element) -> bool:

@@ -13,6 +13,9 @@ MAX_ACTIONS = 50_000
 MAX_NODES = 2_000
 MAX_NAMES = 2_000
 MAX_RULES = 200
+MAX_STEPS = 3_000_000
+MAX_PIECES = 1_000_000
+MAX_VALUES = 2_000_000
 
 
 class TooMuchError(InputError):
@@ -28,6 +31,9 @@ class Bounds:
     level: int = 0
     actions: int = 0
     nodes: int = 0
+    steps: int = 0
+    pieces: int = 0
+    values: int = 0
 
     def file(self, path: str) -> None:
         """Count an inclusion of a file."""
@@ -55,6 +61,21 @@ class Bounds:
         """Count a node."""
         self.nodes += 1
         _check(self.nodes, MAX_NODES, "nodes", path)
+
+    def step(self, path: str, steps: int) -> None:
+        """Count what a Python launch file took to describe what it does."""
+        self.steps += steps
+        _check(self.steps, MAX_STEPS, "steps of Python", path)
+
+    def piece(self, path: str) -> None:
+        """Count a part of a text, a list or a dict that a Python launch file made."""
+        self.pieces += 1
+        _check(self.pieces, MAX_PIECES, "parts of texts and lists", path)
+
+    def value(self, path: str, count: int) -> None:
+        """Count the values of parameters that are kept."""
+        self.values += count
+        _check(self.values, MAX_VALUES, "values of parameters", path)
 
 
 def _check(number: int, most: int, what: str, path: str) -> None:

@@ -1,33 +1,45 @@
-"""A launch file of ROS 2 as elements, whether it was written in XML or in YAML."""
+"""A launch file of ROS 2 as elements, whether it was written in XML, YAML or Python."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.document import line_of, parse_xml
+from rtron.sources.launch2.pieces import Written
+from rtron.sources.launch2.view import View
 from rtron.sources.launch2.yaml_elements import YamlBody, yaml_body
 
 _YAML = (".yaml", ".yml")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Element:
     """An action of a launch file, or what belongs to one.
 
     `place` counts the elements of an XML text in document order, the root being 0; in YAML it is
-    where the element's value begins in the text, in characters.
+    where the element's value begins in the text, in characters. `file` is empty where it is that of
+    the launch itself. `run` calls a function of a Python launch file, for the actions it returns.
     """
 
     tag: str
-    attributes: Mapping[str, str]
-    children: tuple["Element", ...]
-    place: int
-    line: int
+    attributes: Mapping[str, Written]
+    children: tuple["Element", ...] = ()
+    place: int = 0
+    line: int = 0
+    file: str = ""
+    run: Callable[[View], tuple["Element", ...]] | None = None
 
     def named(self, tag: str) -> Iterator["Element"]:
         """Yield the children of one kind."""
         return (child for child in self.children if child.tag == tag)
+
+    def plain(self, key: str) -> str:
+        """Return an attribute as it is written; empty where it is not plain text."""
+        written = self.attributes.get(key, "")
+        if isinstance(written, str):
+            return written
+        return "".join(piece for piece in written if isinstance(piece, str))
 
 
 def parse_elements(path: str) -> Element:

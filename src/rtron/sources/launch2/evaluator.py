@@ -1,43 +1,46 @@
 """The texts of a ROS 2 launch file evaluated: attributes, conditions, remaps and configurations."""
 
 import os.path
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
-from rtron.errors import InputError
-from rtron.folders import is_there
-from rtron.sources.launch.unresolvable import MissingArgumentError, UnresolvableError
-from rtron.sources.launch2.bounds import Bounds, TooMuchError
+from rtron.sources.launch.unresolvable import UnresolvableError
+from rtron.sources.launch2.bounds import Bounds
 from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.element import Element
+from rtron.sources.launch2.functions import Function, closed, said, truth
+from rtron.sources.launch2.lookups import Lookups
+from rtron.sources.launch2.notes import Notes
+from rtron.sources.launch2.pieces import hole
 from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.scope import Scope, Source
-from rtron.sources.launch2.substitution import (
-    Function,
-    Substitution,
-    environment,
-    truth,
-    variable,
-)
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.sources.launch2.substitution import MAX_LONG, Substitution, environment, variable
+from rtron.sources.launch2.view import View
+from rtron.sources.launch2.yaml_files import YamlFiles
 from rtron.vocabulary.remap_rules import UNKNOWN, Rule
 
 
 @dataclass(slots=True, kw_only=True)
-class Evaluator:
+class Evaluator(Notes):
     """Evaluates what stands in elements, and notes what has no value before the launch runs.
 
-    `touched` are the arguments and variables that decided what was evaluated last.
+    `touched` are the arguments and variables that decided what was evaluated last. Where it is
+    `symbolic`, a text keeps what is known of it: the rest are holes (`pieces`), each noted once.
     """
 
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
     choices: Choices
+    installed: Callable[[str], str] = str
+    files: YamlFiles = field(init=False)
     bounds: Bounds = field(default_factory=Bounds)
-    unresolved: list[Unresolved] = field(default_factory=list)
     touched: set[Source] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        """Let the files count in the same bounds."""
+        self.files = YamlFiles(self.bounds, self.installed)
 
     def text(self, element: Element, key: str, scope: Scope, place: Place) -> str | None:
         """Return an attribute's value as `value` does; it decides what starts, or a name."""
@@ -55,7 +58,7 @@ class Evaluator:
         if written is None:
             return None
         with self.noting(element, place):
-            return self._substitution(scope, place).replace(written)
+            return self.substitution(element, scope, place).replace(written)
         return None
 
     def condition(
@@ -93,30 +96,31 @@ class Evaluator:
             if name is not None:
                 yield Source(name), value, frozenset(self.touched)
 
-    def note(self, element: Element, place: Place, why: str) -> None:
-        """Note what cannot be read of an element."""
-        named = element.attributes.get("file") or element.attributes.get("cmd") or ""
-        own = Evidence(file=place.path, line=element.line)
-        what = f"{element.tag} {named[:80]}".strip()
-        self.unresolved.append(Unresolved(what=what, why=why, evidence=(own,)))
+    def substitution(self, element: Element, scope: Scope, place: Place) -> Substitution:
+        """Return what replaces substitutions in an element's texts."""
+        functions = self._functions(scope, place)
+        if not self.symbolic:
+            return Substitution(functions)
 
-    @contextmanager
-    def noting(self, element: Element, place: Place) -> Iterator[None]:
-        """Note what has no value here, or a file that cannot be read; go on with the rest."""
-        try:
-            yield
-        except TooMuchError:
-            raise
-        except (UnresolvableError, InputError) as error:
-            self.note(element, place, str(error))
-        except MissingArgumentError as error:
-            if place.depth == 0 and element.tag != "include":
-                raise
-            self.note(element, place, str(error))
-        except (ValueError, LookupError) as error:
-            raise InputError(str(error), path=place.path, line=element.line) from None
+        def failed(what: str, error: Exception) -> str:
+            self.note_failed(element, place, error)
+            return hole(what)
 
-    def _substitution(self, scope: Scope, place: Place) -> Substitution:
+        found = Substitution(functions, failed, most=MAX_LONG)
+        found.view = self._view(element, scope, place, found)
+        return found
+
+    def view(self, element: Element, scope: Scope, place: Place) -> View:
+        """Return what a function of a Python launch file sees of the launch."""
+        return self._view(element, scope, place, self.substitution(element, scope, place))
+
+    def _view(
+        self, element: Element, scope: Scope, place: Place, substitution: Substitution
+    ) -> View:
+        note = partial(self.note, element, place)
+        return View(perform=substitution.replace, scope=scope, note=note, files=self.files)
+
+    def _functions(self, scope: Scope, place: Place) -> Mapping[str, Function]:
         folder = os.path.dirname(place.path)  # noqa: PTH120 - a string in a string out
 
         def looked_up(function: Function, words: list[str], *, environment: bool = False) -> str:
@@ -127,27 +131,20 @@ class Evaluator:
             return function(words)
 
         value, variable_value = variable(scope.configurations), environment(scope.environ)
-        return Substitution(
-            {
-                "var": lambda words: looked_up(value, words),
-                "env": lambda words: looked_up(variable_value, words, environment=True),
-                "dirname": lambda _: folder,
-                "filename": lambda _: place.path,
-                "anon": lambda words: f"{words[0]}_{UNKNOWN}",
-                "find-pkg-share": self._share,
-                "find-pkg-prefix": self._prefix,
-            }
-        )
+        return {
+            "var": lambda words: looked_up(value, words),
+            "env": lambda words: looked_up(variable_value, words, environment=True),
+            "optenv": lambda words: looked_up(variable_value, [*words, ""][:2], environment=True),
+            "dirname": lambda _: folder,
+            "filename": lambda _: place.path,
+            "anon": lambda words: f"{words[0]}_{UNKNOWN}",
+            "config-equals": partial(_is_set_to, scope),
+            "node-name": lambda words: scope.full_name(*words),
+            **Lookups(self.environ, self.packages, self.symbolic).functions(),
+        }
 
-    def _share(self, words: list[str]) -> str:
-        name = "".join(words[:1])
-        if name in self.packages:
-            return str(self.packages[name])
-        for prefix in filter(None, self.environ.get("AMENT_PREFIX_PATH", "").split(":")):
-            share = Path(prefix) / "share" / name
-            if is_there(share) and share.is_dir():
-                return str(share)
-        raise UnresolvableError(f"package '{name}' is not here")
 
-    def _prefix(self, words: list[str]) -> str:
-        return str(Path(self._share(words)).parents[1])
+def _is_set_to(scope: Scope, words: list[str]) -> str:
+    """Return whether a configuration is set to a value; one that is not set is set to nothing."""
+    value = scope.configurations.get(words[0], "")
+    return said(closed(value) == closed("".join(words[1:])))

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from rtron.sources.launch2.element import Element
-from rtron.vocabulary import LaunchFile, LaunchInclude, LaunchNode
+from rtron.vocabulary import Evidence, LaunchFile, LaunchInclude, LaunchNode
 
 
 @dataclass(slots=True)
@@ -25,3 +25,8 @@ class Place:
                 for element, spelled, place in self.includes
             ),
         )
+
+
+def evidence_of(element: Element, place: Place) -> Evidence:
+    """Return where an element stands."""
+    return Evidence(file=element.file or place.path, line=element.line)

@@ -1,14 +1,15 @@
-"""ROS 2's launch files in XML and YAML, evaluated: nodes, their namespaces and their remaps.
+"""ROS 2's launch files, evaluated: nodes, their namespaces and their remaps.
 
 Sources: docs.ros.org, launch file formats; the docstrings of launch and launch_ros, and what both
-do when they run. Nothing is run, and no Python launch file is looked into: it stands in the tree
-without nodes.
+do when they run. Nothing is run. `read_launch2` is for the guarded launch: it looks into no Python
+launch file, which stands in the tree without nodes. `app.read_app_launch` looks into all.
 """
 
 import os.path
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
+from math import inf
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -17,17 +18,23 @@ from rtron.sources.launch2.bounds import MAX_INCLUDED
 from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.element import Element, parse_elements
 from rtron.sources.launch2.evaluator import Evaluator
+from rtron.sources.launch2.guarded import GuardedNodes
+from rtron.sources.launch2.pieces import has_hole
 from rtron.sources.launch2.place import Place
-from rtron.sources.launch2.scope import NAMESPACE, Scope, Source
-from rtron.sources.launch2.settings import HARMLESS, PUSHES, SETTINGS
-from rtron.vocabulary import GUARD_NODE, LaunchFile, LaunchNode, LaunchTree
-from rtron.vocabulary.remap_rules import UNKNOWN, Rule, remaps_at, rules_in
+from rtron.sources.launch2.scope import Scope
+from rtron.sources.launch2.settings import HARMLESS, SETTINGS, Settings
+from rtron.sources.launch2.starts import SHARED, Starts
+from rtron.sources.launch2.surroundings import Setting
+from rtron.vocabulary import LaunchTree
 
 _NODES = frozenset({"node", "lifecycle_node", "node_container"})
-_TIMERS = frozenset({"timer", "ros_timer"})
-_STARTING = _NODES | _TIMERS | {"load_composable_node", "group", "include", "composable_node"}
+_TIMERS = frozenset({"timer", "ros_timer", "event_handler"})
+_STARTING = (
+    _NODES
+    | _TIMERS
+    | {"load_composable_node", "group", "include", "composable_node", "function", "executable"}
+)
 _NO = frozenset({"false", "no", "off"})
-_NOT_REACHED = "is no `node`: what it starts gets no remaps"
 
 
 def read_launch2(
@@ -45,11 +52,18 @@ def read_launch2(
     evaluator = Evaluator(environ=environ, packages=packages, choices=choices)
     scope = Scope(dict(arguments), dict(environ))
     try:
-        root = _Reader(evaluator).root(os.path.abspath(path), scope)  # noqa: PTH100 - as launch spells it
+        place = Reader(evaluator, GuardedNodes(evaluator)).root(absolute(path), scope)
     except MissingArgumentError as error:
         help = f"add {error.name}:=…"
         raise InputError(str(error), path=str(path), help=help) from None
-    return LaunchTree(root=root, unresolved=tuple(evaluator.unresolved), choices=choices.all())
+    return LaunchTree(
+        root=place.file(), unresolved=tuple(evaluator.unresolved), choices=choices.all()
+    )
+
+
+def absolute(path: Path | str) -> str:
+    """Return a path as launch spells it, no links followed."""
+    return os.path.abspath(path)  # noqa: PTH100 - a string
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -61,35 +75,48 @@ class _Timer:
     element: Element = field(compare=False)
     place: Place = field(compare=False)
     doubtful: bool = field(compare=False)
+    setting: Setting = field(compare=False)
 
 
 @dataclass(slots=True)
-class _Reader:
+class Reader:
+    """Walks through launch files; `nodes` takes what they start."""
+
     _evaluator: Evaluator
+    _nodes: GuardedNodes | Starts
     _timers: list[_Timer] = field(default_factory=list)
     _parsed: dict[str, Element] = field(default_factory=dict)
     _now: float = 0.0
 
-    def root(self, path: str, scope: Scope) -> LaunchFile:
+    def root(self, path: str, scope: Scope) -> Place:
+        """Read a launch file and all that it includes."""
         place = self._file(path, scope, 0)
         while self._timers:
             # It runs when the groups and files around it are left: in what is then the one scope.
             timer = heappop(self._timers)
             self._now, scope.doubtful = timer.due, timer.doubtful
-            self._actions(timer.element.children, scope, timer.place)
-        return place.file()
+            with self._nodes.later(timer.setting):
+                self._actions(timer.element.children, scope, timer.place)
+        return place
 
     def _file(self, path: str, scope: Scope, depth: int) -> Place:
         if depth > MAX_INCLUDED:
             raise InputError(f"{MAX_INCLUDED} files include each other", path=path)
         place = Place(path, depth)
         self._evaluator.bounds.file(path)
-        if not path.endswith(".py"):
-            if path not in self._parsed:
-                self._parsed[path] = parse_elements(path)
+        root = self._root(path)
+        if root is not None:
             self._evaluator.bounds.size(path, Path(path).stat().st_size)
-            self._actions(self._parsed[path].children, scope, place)
+            self._actions(root.children, scope, place)
         return place
+
+    def _root(self, path: str) -> Element | None:
+        """Return a file's actions; a Python file is read anew each time, as it is run."""
+        if path.endswith(".py"):
+            return self._nodes.python(path)
+        if path not in self._parsed:
+            self._parsed[path] = parse_elements(path)
+        return self._parsed[path]
 
     def _actions(self, elements: Iterable[Element], scope: Scope, place: Place) -> None:
         self._evaluator.bounds.deeper(place.path)
@@ -108,105 +135,55 @@ class _Reader:
             return
         before, doubtful = scope.mark(), scope.doubtful
         scope.doubtful = doubtful or (said is None and not setting)
-        self._action(element, scope, place)
+        with self._nodes.under(element, scope, place, said):
+            self._action(element, scope, place, said)
         scope.doubtful = doubtful
         if starting and scope.depend(why, before):
             self._evaluator.choices.decide(why)
 
-    def _action(self, element: Element, scope: Scope, place: Place) -> None:
-        tag = element.tag
-        if tag in _TIMERS:
-            self._timer(element, scope, place)
-        elif tag in _NODES:
-            self._node(element, scope, place)
-        elif tag == "load_composable_node":
-            self._components(element, scope, place)
-        elif tag == "group":
-            self._group(element, scope, place)
-        elif tag == "include":
-            self._include(element, scope, place)
-        elif tag == "executable":
-            self._executable(element, place)
-        elif tag in SETTINGS:
-            self._setting(element, scope, place)
-        elif tag not in HARMLESS:
-            self._evaluator.note(element, place, "is not known here; what it starts gets no remaps")
+    def _action(
+        self,
+        element: Element,
+        scope: Scope,
+        place: Place,
+        said: bool | None,  # noqa: FBT001 - what its condition says
+    ) -> None:
+        read = self._readers.get(element.tag)
+        if read is not None:
+            read(element, scope, place)
+        elif element.run is not None:
+            view = self._evaluator.view(element, scope, place)
+            self._actions(element.run(view), scope, place)
+        elif element.tag in SETTINGS:
+            Settings(self._evaluator).apply(element, scope, place, said)
+            self._nodes.declared(element, scope, place)
+        elif element.tag not in HARMLESS:
+            self._nodes.unknown(element, place)
 
-    def _executable(self, element: Element, place: Place) -> None:
-        """Note a process that is no `<node>`: only at run time can a node in it be seen."""
-        if element.attributes.get("name") == GUARD_NODE.strip("/"):
-            guard = LaunchNode(name=GUARD_NODE, package="", type="", element=element.place)
-            place.nodes.append(guard)
-        else:
-            self._evaluator.note(element, place, _NOT_REACHED)
-
-    def _setting(self, element: Element, scope: Scope, place: Place) -> None:
-        """Read an action that changes the scope."""
-        tag = element.tag
-        if tag == "arg":
-            self._argument(element, scope, place)
-        elif tag == "let":
-            self._let(element, scope, place)
-        elif tag in PUSHES:
-            own = self._evaluator.text(element, "namespace", scope, place)
-            space, source = scope.space(UNKNOWN if own is None else own), Source(NAMESPACE)
-            scope.put(source, None if space == UNKNOWN else space, scope.behind(source))
-        elif tag == "set_remap":
-            scope.share(self._evaluator.pairs([element], scope, place))
-        elif tag == "reset":
-            kept = list(self._kept(element, scope, place))
-            scope.clear()
-            for item in kept:
-                scope.put(*item)
-        elif tag == "reset_env":
-            scope.renew(self._evaluator.environ)
-        else:
-            self._variable(element, scope, place)
-
-    def _variable(self, element: Element, scope: Scope, place: Place) -> None:
-        name = self._evaluator.text(element, "name", scope, place)
-        if name is None:
-            return
-        value = self._evaluator.value(element, "value", scope, place)
-        touched = frozenset(self._evaluator.touched)
-        variable = Source(name, environment=True)
-        if element.tag == "unset_env":
-            scope.put(variable, None)
-            scope.unknown.discard(variable)
-        elif element.tag == "set_env":
-            scope.put(variable, value, touched)
-        else:
-            scope.put(variable, None, touched | scope.behind(variable))
-
-    def _argument(self, element: Element, scope: Scope, place: Place) -> None:
-        source = Source(element.attributes.get("name", ""))
-        if source.name in scope.configurations or source in scope.unknown:
-            return
-        if "default" not in element.attributes:
-            raise MissingArgumentError(source.name)
-        value = self._evaluator.value(element, "default", scope, place)
-        self._evaluator.choices.default(source.name, value)
-        scope.put(source, value, {source, *self._evaluator.touched})
-
-    def _let(self, element: Element, scope: Scope, place: Place) -> None:
-        for item in self._evaluator.given([element], scope, place):
-            scope.put(*item)
-
-    def _kept(
-        self, element: Element, scope: Scope, place: Place
-    ) -> Iterator[tuple[Source, str | None, frozenset[Source]]]:
-        return self._evaluator.given(element.named("keep"), scope, place)
+    @property
+    def _readers(self) -> Mapping[str, Callable[[Element, Scope, Place], None]]:
+        return {
+            **dict.fromkeys(_TIMERS, self._timer),
+            **dict.fromkeys(_NODES, self._nodes.node),
+            **dict.fromkeys(SHARED, self._nodes.share),
+            "load_composable_node": self._nodes.components,
+            "executable": self._nodes.executable,
+            "group": self._group,
+            "include": self._include,
+        }
 
     def _timer(self, element: Element, scope: Scope, place: Place) -> None:
         try:
             period = float(self._evaluator.text(element, "period", scope, place) or 0)
         except ValueError:
             period = 0.0
-        due, number = self._now + period, self._evaluator.bounds.actions
-        heappush(self._timers, _Timer(due, number, element, place, scope.doubtful))
+        due = inf if element.plain("event") == "OnShutdown" else self._now + period
+        number, setting = self._evaluator.bounds.actions, self._nodes.setting(element)
+        heappush(self._timers, _Timer(due, number, element, place, scope.doubtful, setting))
 
     def _group(self, element: Element, scope: Scope, place: Place) -> None:
-        kept = list(self._kept(element, scope, place))
+        settings = Settings(self._evaluator)
+        kept = list(settings.kept(element, scope, place))
         inner = scope.inner() if _says(element, "scoped") else scope
         if inner is not scope and not _says(element, "forwarding"):
             inner.clear()
@@ -217,67 +194,23 @@ class _Reader:
 
     def _include(self, element: Element, scope: Scope, place: Place) -> None:
         spelled = self._evaluator.text(element, "file", scope, place)
-        for given in (*element.named("arg"), *element.named("let")):
-            self._let(given, scope, place)
-        if spelled is None:
+        given = (*element.named("arg"), *element.named("let"))
+        for argument in given:
+            Settings(self._evaluator).let(argument, scope, place)
+        if spelled is None or has_hole(spelled):
+            self._nodes.not_included(element, spelled, place)
             return
-        path = os.path.abspath(spelled)  # noqa: PTH100 - as launch spells it
+        path = self._evaluator.files.installed(absolute(spelled))
         level = self._evaluator.bounds.level
-        with self._evaluator.noting(element, place):
+        with (
+            self._evaluator.noting(element, place),
+            self._nodes.within(element, path, scope, place),
+        ):
             included = self._file(path, scope, place.depth + 1)
             place.includes.append((element, spelled, included))
         self._evaluator.bounds.level = level
 
-    def _node(self, element: Element, scope: Scope, place: Place) -> None:
-        place.nodes.append(self._named(element, scope, place, "exec"))
-        if element.tag == "node_container":
-            self._components(element, scope, place)
-
-    def _components(self, element: Element, scope: Scope, place: Place) -> None:
-        for component in element.named("composable_node"):
-            said, why = self._evaluator.condition(component, scope, place)
-            if said is False:
-                self._evaluator.choices.decide(why)
-            else:
-                doubtful, scope.doubtful = scope.doubtful, scope.doubtful or said is None
-                place.nodes.append(self._named(component, scope, place, "plugin"))
-                scope.doubtful = doubtful
-
-    def _named(self, element: Element, scope: Scope, place: Place, type: str) -> LaunchNode:
-        """Return a node, or a component; a name that is not known is a `*`."""
-        self._evaluator.bounds.node(place.path)
-        own = self._evaluator.text(element, "namespace", scope, place)
-        written = "namespace" in element.attributes
-        space = scope.space(UNKNOWN if written and own is None else own)
-        base = self._evaluator.text(element, "name", scope, place) or UNKNOWN
-        name = f"{space or ''}/{base}" if space != "/" else f"/{base}"
-        self._evaluator.choices.decide(scope.behind(Source(NAMESPACE)))
-        args, early = self._early(element, scope, place)
-        shared = tuple(remaps_at([*early, *(scope.remaps or ())], name))
-        rules = remaps_at(self._evaluator.pairs(element.named("remap"), scope, place), name)
-        return LaunchNode(
-            name=name,
-            package=element.attributes.get("pkg", ""),
-            type=element.attributes.get(type, ""),
-            args=args,
-            remaps=(*shared, *rules),
-            element=element.place,
-            line=element.line,
-            anonymous=UNKNOWN in name,
-            conditional=scope.doubtful,
-            shared=len(shared),
-        )
-
-    def _early(self, element: Element, scope: Scope, place: Place) -> tuple[str, list[Rule]]:
-        """Return a node's arguments, and the rules in them, which count before all others."""
-        args = self._evaluator.value(element, "args", scope, place) or ""
-        touched = set(self._evaluator.touched)
-        ros = self._evaluator.value(element, "ros_args", scope, place) or ""
-        rules = [*rules_in(args, ros=False), *rules_in(ros, ros=True)]
-        self._evaluator.choices.decide(touched | self._evaluator.touched if rules else ())
-        return args, rules
-
 
 def _says(element: Element, key: str) -> bool:
     """Return a plain yes or no of an element, which is yes if it is not written."""
-    return element.attributes.get(key, "true").lower() not in _NO
+    return (element.plain(key) or "true").lower() not in _NO

@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
+from rtron.sources.launch2.parameters import ParameterSource
 from rtron.vocabulary.remap_rules import UNKNOWN, Rule
 
 NAMESPACE = "ros_namespace"
@@ -25,7 +26,8 @@ class Scope:
     """One scope; actions change it for all that comes after them in it.
 
     `remaps` are those of `set_remap`, in order, None before the first. launch_ros adds to the list
-    that it finds, so a group changes that of the scopes around it, if they have one already.
+    that it finds, so a group changes that of the scopes around it, if they have one already. So are
+    `parameters` those of `set_parameter` and `set_parameters_from_file`.
     `unknown` are those that are set, to what is not known. `sources` tells of each that the
     launch sets itself which arguments and variables decided its value.
     """
@@ -33,6 +35,7 @@ class Scope:
     configurations: dict[str, str] = field(default_factory=dict)
     environ: dict[str, str] = field(default_factory=dict)
     remaps: list[Rule] | None = None
+    parameters: list[ParameterSource] | None = None
     doubtful: bool = False
     unknown: set[Source] = field(default_factory=set)
     sources: dict[Source, frozenset[Source]] = field(default_factory=dict)
@@ -66,10 +69,15 @@ class Scope:
         self.remaps = [] if self.remaps is None else self.remaps
         self.remaps += rules
 
+    def share_parameter(self, source: ParameterSource) -> None:
+        """Add a parameter, or a file of them, for all nodes."""
+        self.parameters = [] if self.parameters is None else self.parameters
+        self.parameters.append(source)
+
     def clear(self) -> None:
         """Forget all configurations, as `reset` does; the namespace and the remaps are such."""
         self._clears += 1
-        self.configurations, self.remaps = {}, None
+        self.configurations, self.remaps, self.parameters = {}, None, None
         self.unknown = {source for source in self.unknown if source.environment}
         self.sources = {key: why for key, why in self.sources.items() if key.environment}
 
@@ -84,6 +92,7 @@ class Scope:
             configurations=dict(self.configurations),
             environ=dict(self.environ),
             remaps=self.remaps,
+            parameters=self.parameters,
             doubtful=self.doubtful,
             unknown=set(self.unknown),
             sources=dict(self.sources),
@@ -118,6 +127,11 @@ class Scope:
         if UNKNOWN in (own, self.namespace):
             return UNKNOWN
         return canonical(f"{self.namespace or ''}/{own}")
+
+    def full_name(self, name: str, own: str | None = None) -> str:
+        """Return a node's full name."""
+        space = self.space(own)
+        return f"{space or ''}/{name}" if space != "/" else f"/{name}"
 
 
 def canonical(space: str) -> str:

@@ -6,97 +6,134 @@ whose arguments may be quoted and hold substitutions in turn. Nothing is run.
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import dataclass
 
-from rtron.sources.launch.expression import evaluate
 from rtron.sources.launch.unresolvable import MissingArgumentError, UnresolvableError
-
-Function: TypeAlias = Callable[[list[str]], str]
+from rtron.sources.launch2.functions import PURE, Function, given
+from rtron.sources.launch2.pieces import Call, Deferred, Pieces, Written, first_hole
 
 MAX_TEXT = 16_384
+MAX_LONG = 65_536
+"""The most for what only the graph asks for: a parameter may be the description of a robot."""
 _MAX_DEPTH = 24
 _NAME = re.compile(r"[A-Za-z][\w-]*")
-_TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
 
 
-def truth(text: str) -> bool:
-    """Return what a condition says; raise ValueError where launch would refuse it."""
-    word = text.strip().lower()
-    if word not in _TRUE | _FALSE:
-        raise ValueError(f"'{text[:80]}' is neither true nor false")
-    return word in _TRUE
+@dataclass(slots=True)
+class _Parser:
+    """Takes a text apart; raises ValueError where it is malformed."""
+
+    text: str
+    at: int = 0
+    depth: int = 0
+
+    def fragments(self, ends: str) -> Pieces:
+        """Return what stands up to one of the characters `ends`, or to the end of the text."""
+        pieces: list[str | Call | Deferred] = []
+        plain: list[str] = []
+        while self.at < len(self.text) and self.text[self.at] not in ends:
+            if self.text.startswith("$(", self.at):
+                pieces += filter(None, ["".join(plain), self._call()])
+                plain = []
+                continue
+            escaped = self.text[self.at] == "\\" and self.at + 1 < len(self.text)
+            self.at += escaped
+            plain.append(self.text[self.at])
+            self.at += 1
+        return (*pieces, "".join(plain)) if plain else tuple(pieces)
+
+    def _call(self) -> Call:
+        self.depth += 1
+        if self.depth > _MAX_DEPTH:
+            raise ValueError(f"more than {_MAX_DEPTH} substitutions in each other")
+        self.at += len("$(")
+        name = _NAME.match(self.text, self.at)
+        if name is None:
+            raise ValueError("`$(` without a name")
+        self.at = name.end()
+        call = Call(name[0], tuple(self._arguments()))
+        self.depth -= 1
+        return call
+
+    def _arguments(self) -> list[Pieces]:
+        found: list[Pieces] = []
+        while self.at < len(self.text):
+            character = self.text[self.at]
+            self.at += 1
+            if character == ")":
+                return found
+            if character in "'\"":
+                found.append(self.fragments(character))
+                self.at += 1
+            elif character != " ":
+                self.at -= 1
+                found.append(self.fragments(" )"))
+        raise ValueError("`$(` without `)`")
 
 
 @dataclass(slots=True)
 class Substitution:
-    """Replaces substitutions; `functions` are those that depend on where the text stands."""
+    """Replaces substitutions; `functions` are those that depend on where the text stands.
+
+    `failed` gets what has no value here and returns what stands for it, or raises; `view` is what a
+    substitution gets that the launch file defines itself.
+    """
 
     functions: Mapping[str, Function]
-    _text: str = ""
-    _at: int = 0
-    _depth: int = 0
-    _all: Mapping[str, Function] = field(default_factory=dict)
+    failed: Callable[[str, Exception], str] | None = None
+    view: object = None
+    most: int = MAX_TEXT
 
-    def replace(self, text: str) -> str:
+    def replace(self, text: Written) -> str:
         """Return a text with its substitutions replaced.
 
         Raise ValueError if it is malformed, UnresolvableError if it has no value here.
         """
-        self._text, self._at, self._depth = _bounded(text), 0, 0
-        self._all = {**_PURE, **self.functions}
-        return self._fragments("")
+        return self.perform(self.parsed(text))
 
-    def _fragments(self, ends: str) -> str:
-        """Return what stands up to one of the characters `ends`, or to the end of the text."""
-        pieces: list[str] = []
-        while self._at < len(self._text) and self._text[self._at] not in ends:
-            if self._text.startswith("$(", self._at):
-                pieces.append(self._called())
-                continue
-            escaped = self._text[self._at] == "\\" and self._at + 1 < len(self._text)
-            self._at += escaped
-            pieces.append(self._text[self._at])
-            self._at += 1
-        return _bounded("".join(pieces))
+    def parsed(self, text: Written) -> Pieces:
+        """Return a text taken apart; raise ValueError if it is malformed."""
+        return _Parser(self._bounded(text)).fragments("") if isinstance(text, str) else text
 
-    def _called(self) -> str:
-        self._depth += 1
-        if self._depth > _MAX_DEPTH:
-            raise ValueError(f"more than {_MAX_DEPTH} substitutions in each other")
-        self._at += len("$(")
-        name = _NAME.match(self._text, self._at)
-        if name is None:
-            raise ValueError("`$(` without a name")
-        self._at = name.end()
-        arguments = self._arguments()
-        self._depth -= 1
-        function = self._all.get(name[0])
+    def perform(self, pieces: Pieces) -> str:
+        """Return a text that is taken apart already, its substitutions replaced."""
+        found = (piece if isinstance(piece, str) else self._piece(piece) for piece in pieces)
+        return self._bounded("".join(found))
+
+    def _piece(self, piece: Call | Deferred) -> str:
+        if isinstance(piece, Deferred):
+            return piece.run(self.view)
+        arguments = [self.perform(argument) for argument in piece.arguments]
+        if self.failed is None:
+            return self._called(piece.name, arguments)
+        try:
+            return self._called(piece.name, arguments)
+        except (UnresolvableError, MissingArgumentError, ValueError, LookupError) as error:
+            return self.failed(_called(piece.name, arguments), error)
+
+    def _bounded(self, text: str) -> str:
+        if len(text) > self.most:
+            raise ValueError(f"longer than {self.most} characters")
+        return text
+
+    def _called(self, name: str, arguments: list[str]) -> str:
+        function = self.functions.get(name) or PURE.get(name)
         if function is None:
-            raise UnresolvableError(f"$({name[0]} …) is not evaluated")
+            raise UnresolvableError(f"$({name} …) is not evaluated")
         return function(arguments)
 
-    def _arguments(self) -> list[str]:
-        found: list[str] = []
-        while self._at < len(self._text):
-            character = self._text[self._at]
-            self._at += 1
-            if character == ")":
-                return found
-            if character in "'\"":
-                found.append(self._fragments(character))
-                self._at += 1
-            elif character != " ":
-                self._at -= 1
-                found.append(self._fragments(" )"))
-        raise ValueError("`$(` without `)`")
+
+def _called(name: str, arguments: list[str]) -> str:
+    """Return what to call what has no value: as what is not known in it, where there is any."""
+    text = " ".join(arguments)
+    return first_hole(text) or (arguments[0] if name == "var" else f"{name} {text}".strip())
 
 
 def variable(configurations: Mapping[str, str]) -> Function:
     """Return what `$(var name default)` does."""
 
     def found(arguments: list[str]) -> str:
-        name, *default = _given(arguments, 1, 2)
+        name, *default = given(arguments, 1, 2)
         if name in configurations:
             return configurations[name]
         if default:
@@ -110,47 +147,10 @@ def environment(environ: Mapping[str, str]) -> Function:
     """Return what `$(env NAME default)` does."""
 
     def found(arguments: list[str]) -> str:
-        name, *default = _given(arguments, 1, 2)
+        name, *default = given(arguments, 1, 2)
         value = environ.get(name, default[0] if default else None)
         if value is None:
             raise UnresolvableError(f"the environment has no {name}")
         return value
 
     return found
-
-
-def _bounded(text: str) -> str:
-    if len(text) > MAX_TEXT:
-        raise ValueError(f"longer than {MAX_TEXT} characters")
-    return text
-
-
-def _given(arguments: list[str], least: int, most: int) -> list[str]:
-    if not least <= len(arguments) <= most:
-        raise ValueError(f"{len(arguments)} arguments, expected {least} to {most}")
-    return arguments
-
-
-def _no_argument(name: str) -> str:
-    raise KeyError(name)
-
-
-def _said(value: bool) -> str:  # noqa: FBT001 - what launch writes for it
-    return str(value).lower()
-
-
-def _eval(arguments: list[str]) -> str:
-    return evaluate(_given(arguments, 1, 2)[0], {}, _no_argument)
-
-
-_PURE: Mapping[str, Function] = {
-    "not": lambda words: _said(not truth(*_given(words, 1, 1))),
-    "and": lambda words: _said(all(map(truth, _given(words, 2, 2)))),
-    "or": lambda words: _said(any(map(truth, _given(words, 2, 2)))),
-    "all": lambda words: _said(all(map(truth, words))),
-    "any": lambda words: _said(any(map(truth, words))),
-    "equals": lambda words: _said(len(set(_given(words, 2, 2))) == 1),
-    "not-equals": lambda words: _said(len(set(_given(words, 2, 2))) != 1),
-    "if": lambda words: (*_given(words, 2, 3), "")[1 if truth(words[0]) else 2],
-    "eval": _eval,
-}

@@ -90,11 +90,21 @@ def _body(tag: str, value: yaml.Node, path: str) -> YamlBody:
     return YamlBody(
         tag=tag,
         attributes={
-            str(key.value): str(inner.value)
-            for key, inner in entries
-            if isinstance(inner, yaml.ScalarNode)
+            str(key.value): text for key, inner in entries if (text := _text(inner)) is not None
         },
         children=tuple(children),
         place=value.start_mark.index,
         line=value.start_mark.line + 1,
     )
+
+
+def _text(node: yaml.Node) -> str | None:
+    """Return a plain value as it is written, a list of them as YAML; None for any other."""
+    if isinstance(node, yaml.ScalarNode):
+        return str(node.value)
+    if not isinstance(node, yaml.SequenceNode) or not node.value:
+        return None
+    if not all(isinstance(item, yaml.ScalarNode) for item in node.value):
+        return None
+    items = [f"{item.style or ''}{item.value}{item.style or ''}" for item in node.value]
+    return f"[{', '.join(items)}]"

@@ -1,7 +1,7 @@
 """Puts the parts of an app together to its InteractionGraph."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 from rtron.sources.declaration import NodeInterface
 from rtron.sources.static.endpoints import (
@@ -11,35 +11,21 @@ from rtron.sources.static.endpoints import (
     endpoints_of,
     service_of,
 )
+from rtron.sources.static.graph_parts import GraphParts
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.part import Part
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import (
-    Action,
-    Direction,
-    Endpoint,
-    InteractionGraph,
-    Node,
-    Parameters,
-    Service,
-    Topic,
-    Unresolved,
-)
+from rtron.vocabulary import Node, Parameters, Unresolved
 
 _SIM_TIME = "/use_sim_time"
 
 
 @dataclass(slots=True, kw_only=True)
-class Assembly:
+class Assembly(GraphParts):
     """A graph in the making; what is declared twice is there once, with all its evidence."""
 
     workspace: Workspace
-    nodes: dict[str, Node] = field(default_factory=dict)
     started: dict[str, AppNode] = field(default_factory=dict)
-    endpoints: dict[tuple[str, str, Direction, str], Endpoint] = field(default_factory=dict)
-    services: dict[Service, None] = field(default_factory=dict)
-    actions: dict[Action, None] = field(default_factory=dict)
-    unresolved: dict[Unresolved, None] = field(default_factory=dict)
 
     def add_node(self, node: AppNode) -> None:
         """Add a node; another one of its name takes its place in ROS, and is noted here."""
@@ -78,46 +64,12 @@ class Assembly:
             return
         for part in parts:
             if part.task is not None or part.interface.declarations:
-                self._add_endpoint(clock_of(part.node.name, found.evidence))
-
-    def note(self, *notes: Unresolved) -> None:
-        """Add what could not be found out."""
-        self.unresolved.update(dict.fromkeys(notes))
-
-    def graph(self, app: str) -> InteractionGraph:
-        """Return the graph of all that was added."""
-        endpoints = tuple(self.endpoints.values())
-        return InteractionGraph(
-            app=app,
-            nodes=tuple(self.nodes.values()),
-            topics=tuple(_topics(endpoints)),
-            endpoints=endpoints,
-            services=tuple(self.services),
-            actions=tuple(self.actions),
-            unresolved=tuple(self.unresolved),
-        )
+                self.put(clock_of(part.node.name, found.evidence))
 
     def _declare(self, node: str, interface: NodeInterface, remap: Remapping) -> None:
         for declared in interface.declarations:
             for endpoint in endpoints_of(node, declared, remap):
-                self._add_endpoint(endpoint)
+                self.put(endpoint)
             self.services.update(dict.fromkeys(service_of(node, declared, remap)))
             self.actions.update(dict.fromkeys(action_of(node, declared, remap)))
         self.note(*interface.unresolved)
-
-    def _add_endpoint(self, endpoint: Endpoint) -> None:
-        key = (endpoint.node, endpoint.topic, endpoint.direction, endpoint.type)
-        first = self.endpoints.get(key)
-        if first is not None:
-            evidence = tuple(dict.fromkeys((*first.evidence, *endpoint.evidence)))
-            implicit = first.implicit and endpoint.implicit
-            endpoint = replace(first, evidence=evidence, implicit=implicit)
-        self.endpoints[key] = endpoint
-
-
-def _topics(endpoints: Iterable[Endpoint]) -> Iterator[Topic]:
-    types: dict[str, dict[str, None]] = {}
-    for endpoint in endpoints:
-        types.setdefault(endpoint.topic, {})[endpoint.type] = None
-    for name, found in types.items():
-        yield Topic(name=name, types=tuple(filter(None, found)))

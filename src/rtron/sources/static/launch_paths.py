@@ -1,4 +1,7 @@
-"""Which file `roslaunch` would open (ROS wiki: roslaunch/Commandline Tools)."""
+"""Which file `roslaunch` or `ros2 launch` would open.
+
+ROS wiki: roslaunch/Commandline Tools; docs.ros.org: "Launching nodes".
+"""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -9,6 +12,7 @@ from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.files import is_regular
 
 _MAX_NEAR = 3
+_ENDINGS = (".launch", "launch.xml", "launch.py", "launch.yaml", "launch.yml")
 
 
 def find_launch(spelled: str, workspace: Workspace) -> Path:
@@ -49,5 +53,5 @@ def _names(workspace: Workspace) -> Iterable[str]:
         f"{package}/{Path(name).name}"
         for package in workspace.packages
         for name in workspace.files(package).names
-        if name.endswith((".launch", ".launch.xml"))
+        if name.endswith(_ENDINGS)
     ]

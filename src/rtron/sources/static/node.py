@@ -8,19 +8,27 @@ from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.param_tag import converted
 from rtron.vocabulary import Evidence, LaunchNode, Parameter, Parameters
 from rtron.vocabulary.launch import canonical_name, resolve_name
+from rtron.vocabulary.remap_rules import Rule
 
 _ASSIGNED = ":="
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AppNode:
-    """A node, what it runs, and the line that starts it; `started_by` is a node or empty."""
+    """A node, what it runs, and the line that starts it; `started_by` is a node or empty.
+
+    In ROS 2 a component is loaded by `container`, `type` is its class then. `rules` are the remap
+    rules of its process as written, `doubtful` says that it starts on a condition not known.
+    """
 
     site: NodeSite
     package: str
     type: str
     evidence: Evidence
     started_by: str = ""
+    container: str = ""
+    rules: tuple[Rule, ...] = ()
+    doubtful: bool = False
 
     @property
     def name(self) -> str:
@@ -31,6 +39,7 @@ class AppNode:
     def origin(self) -> str:
         """Where the node comes from: the place, and the node that starts it if one does."""
         place = f"{self.evidence.file}:{self.evidence.line}"
+        place = f"{place} (on a condition that is not known)" if self.doubtful else place
         return f"started by {self.started_by} ({place})" if self.started_by else place
 
 

@@ -11,6 +11,7 @@ from rtron.sources.models import Model, Models
 from rtron.sources.models.arguments import positional
 from rtron.sources.models.form import NodeRole
 from rtron.sources.static.node import AppNode
+from rtron.sources.static.ros2_programs import component_task, executable_task
 from rtron.sources.static.task import Task, TaskKind
 from rtron.sources.workspace import Language, Program, Workspace
 from rtron.vocabulary import Unresolved
@@ -45,6 +46,9 @@ class Part:
 
 def parts_of(node: AppNode, workspace: Workspace, models: Models) -> Iterator[Part]:
     """Yield what a node runs: source where it is there, and a model that goes before it."""
+    if node.site.ros > 1:
+        yield _ros2_part(Part(node=node, owner=node.name), workspace)
+        return
     model = models.node(node.package, node.type)
     own = Part(node=node, owner=node.name)
     if model is not None and model.role is NodeRole.NODELET:
@@ -64,6 +68,20 @@ def _chosen(own: Part, program: Program | None, model: Model | None) -> Part:
         return own
     what = f"node {own.node.name} ({own.node.package}/{own.node.type})"
     return own.missing(what, "no source of it is here, and no model")
+
+
+def _ros2_part(part: Part, workspace: Workspace) -> Part:
+    """Return what a node of ROS 2 runs: its source. The models are of nodes of ROS 1."""
+    node = part.node
+    what = f"node {node.name} ({node.package}/{node.type})"
+    if node.package not in workspace.packages:
+        why = "its package is not here: give the folder of its source too"
+        return part.missing(what, why)
+    found = component_task if node.container else executable_task
+    task = found(workspace, node.package, node.type, node.site)
+    if task is None:
+        return part.missing(what, "its program is not in the build files of its package")
+    return replace(part, task=task)
 
 
 def _nodelet_parts(loader: Part, workspace: Workspace, models: Models) -> Iterator[Part]:

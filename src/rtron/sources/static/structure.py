@@ -14,7 +14,7 @@ from rtron.sources.static.cache import digest_of
 from rtron.sources.static.task import content_hash
 from rtron.sources.workspace import Workspace
 
-_READ = (".xml", ".cmake", "CMakeLists.txt", "setup.py")
+_READ = (".xml", ".cmake", "CMakeLists.txt", "setup.py", "setup.cfg")
 
 
 def workspace_state(workspace: Workspace) -> str:

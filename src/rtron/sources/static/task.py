@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rtron.sources.code.interpreter.files import Files, Plugin
 from rtron.sources.code.ir import Language, Unit
-from rtron.sources.code.program import run_cpp, run_nodelet, run_python
+from rtron.sources.code.program import run_component, run_cpp, run_nodelet, run_python
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.code.shell import read_shell
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -20,11 +20,15 @@ class TaskKind(Word):
     PYTHON = "python"
     SHELL = "sh"
     NODELET = "nodelet"
+    COMPONENT = "component"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """A program's sources, macros and the node it runs as; `cls` is a nodelet's class."""
+    """A program's sources, macros and the node it runs as.
+
+    `cls` is a nodelet's or component's class, or the function that a Python module is entered by.
+    """
 
     kind: TaskKind
     sources: tuple[Path, ...]
@@ -62,7 +66,9 @@ def _run(task: Task, files: Files) -> NodeInterface:
     if task.kind is TaskKind.SHELL:
         return read_shell(task.sources[0])
     if task.kind is TaskKind.PYTHON:
-        return run_python(task.sources[0], task.site, files)
+        return run_python(task.sources[0], task.site, files, task.cls)
+    if task.kind is TaskKind.COMPONENT:
+        return run_component(task.sources, task.cls, task.site, files)
     if task.kind is TaskKind.NODELET:
         return run_nodelet(task.sources, task.cls, task.site, files)
     return run_cpp(task.sources, task.site, files)
@@ -104,3 +110,23 @@ class WatchedFiles:
     def plugin(self, name: str, base: str) -> Plugin | None:
         """Return the class that pluginlib knows by a name or type."""
         return self.files.plugin(name, base)
+
+    def plugins(self, base: str) -> tuple[str, ...]:
+        """Return the names of all plugins of a base class."""
+        return self.files.plugins(base)
+
+    def library(self, name: str) -> tuple[Path, ...]:
+        """Return the sources of the library that a file name means."""
+        return self.files.library(name)
+
+    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+        """Return the sources of each library that has a word in one of them."""
+        return self.files.libraries_naming(word)
+
+    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+        """Return those of some sources whose text has a word."""
+        return self.files.naming(sources, word)
+
+    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+        """Return the sources of a header's package that may define a class or function."""
+        return self.files.implementing(header, word)

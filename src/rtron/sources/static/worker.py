@@ -1,6 +1,7 @@
 """A process that interprets programs, one after the other; it keeps what it has read."""
 
 import faulthandler
+import gc
 import os
 import resource
 import signal
@@ -17,6 +18,8 @@ from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, Unresolved
 
 RECURSION_LIMIT = 20_000
+COLLECTED_AFTER = 200_000
+"""New objects after which Python looks for cycles: most of ours live as long as the process."""
 MAX_MEMORY = 8 * 2**30
 GRACE = 10.0
 """Seconds after its time limit at which a process ends that does not even react to a signal."""
@@ -43,6 +46,7 @@ def deep_recursion() -> Iterator[None]:
 def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> None:
     """Make this process ready to work on a workspace."""
     sys.setrecursionlimit(RECURSION_LIMIT)
+    gc.set_threshold(COLLECTED_AFTER)
     with suppress(ValueError, OSError):
         hard = resource.getrlimit(resource.RLIMIT_AS)[1]
         resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, hard))

@@ -32,11 +32,25 @@ class Target:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Component:
+    """A class of ROS 2 that a container can load: the library target that holds it.
+
+    `executable` is the program that rclcpp_components makes of it, empty where none is asked for.
+    """
+
+    cls: str
+    library: str
+    executable: str = ""
+    evidence: Evidence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PackageContents:
     """What a package's CMake files build and install.
 
     `found` names what find_package() asks for, catkin's components among it; `installed` are
-    scripts with the name under which they are installed.
+    scripts with the name under which they are installed; `exports` are descriptions of plugins
+    with the package of their base class (ROS 2).
     """
 
     name: str
@@ -45,6 +59,8 @@ class PackageContents:
     include_dirs: tuple[Path, ...] = ()
     found: tuple[str, ...] = ()
     installed: tuple[tuple[str, Path], ...] = ()
+    components: tuple[Component, ...] = ()
+    exports: tuple[tuple[str, Path], ...] = ()
     unresolved: tuple[Unresolved, ...] = ()
 
     def target(self, name: str, kind: TargetKind) -> Target | None:

@@ -22,7 +22,8 @@ class Program:
 
     `sources` are its own files and those of the libraries of its package that it links, its own
     first; `reachable_packages` are the packages known here that it may use code of; `links` are
-    the names that it links, directly or by a library of its package.
+    the names that it links, directly or by a library of its package. `entry` is the function of a
+    Python module that is called, or the class of a component; empty where the file itself is run.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Program:
     sources: tuple[Path, ...] = ()
     definitions: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
+    entry: str = ""
     reachable_packages: tuple[str, ...] = ()
 
 

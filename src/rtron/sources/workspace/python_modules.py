@@ -15,8 +15,12 @@ _SETUP_CALLS = frozenset({"generate_distutils_setup", "setup", "dict"})
 def module_folder(package: Path) -> Path:
     """Return the folder of a package's modules: setup.py's `package_dir`, or `src`.
 
+    In ROS 2 the modules' folder is called like the package and stands in its root.
+
     setup.py is parsed, never run.
     """
+    if (package / package.name / "__init__.py").is_file():
+        return package / (_package_dir(package / "setup.py") or "")
     return package / (_package_dir(package / "setup.py") or "src")
 
 

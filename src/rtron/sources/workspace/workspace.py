@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
@@ -9,13 +10,14 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.launch.packages import PackageIndex, find_packages, package_trust
 from rtron.sources.workspace.cmake.evaluator import evaluate
+from rtron.sources.workspace.entry_points import entry_points
 from rtron.sources.workspace.files import PackageFiles, is_inside, list_files
 from rtron.sources.workspace.headers import find_header, folders_by_entry
 from rtron.sources.workspace.manifest import Export, Manifest, read_manifest
 from rtron.sources.workspace.messages import message_names
 from rtron.sources.workspace.package import PackageContents, Target, TargetKind
 from rtron.sources.workspace.plugin import Plugin, PluginClass, library_name, read_plugins
-from rtron.sources.workspace.program import Program
+from rtron.sources.workspace.program import Language, Program
 from rtron.sources.workspace.programs import script_program, target_program
 from rtron.sources.workspace.python_modules import module_file, module_folder
 from rtron.sources.workspace.scripts import find_script
@@ -41,6 +43,7 @@ class Workspace:
         self._headers: dict[tuple[str, Path], Path | None] = {}
         self._messages: dict[str, frozenset[str]] = {}
         self._of_folder: dict[Path, str | None] = {}
+        self._entries: dict[str, Mapping[str, tuple[str, str]]] = {}
         self._faults: list[Unresolved] = []
 
     def trust(self, package: str) -> Trust:
@@ -76,10 +79,39 @@ class Workspace:
         target = contents.target(type, TargetKind.EXECUTABLE)
         if target is not None:
             return self._program(target, contents)
+        made = next((c for c in contents.components if c.executable == type), None)
+        if made is not None:
+            return self.component(package, made.cls)
+        entry = self.entry_points(package).get(type)
+        if entry is not None:
+            return self._entered(package, *entry)
         script = find_script(type, contents, self.files(package))
         if script is None:
             return None
         return script_program(script, contents, self.manifest(package), self.packages.keys())
+
+    def component(self, package: str, cls: str) -> Program | None:
+        """Return the library that holds a component's class, with that class as `entry` (ROS 2)."""
+        contents = self.contents(package)
+        found = next((c for c in contents.components if c.cls == cls), None) if contents else None
+        if contents is None or found is None:
+            return None
+        target = contents.target(found.library, TargetKind.LIBRARY)
+        return replace(self._program(target, contents), entry=cls) if target else None
+
+    def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:
+        """Return the module and function of each program that a Python package installs."""
+        if package not in self._entries:
+            self._entries[package] = entry_points(self.packages[package])
+        return self._entries[package]
+
+    def _entered(self, package: str, module: str, function: str) -> Program | None:
+        path = module_file(self._modules[package], module)
+        contents = self.contents(package)
+        if path is None or contents is None or not is_inside(path, self._inside):
+            return None
+        made = script_program(path, contents, self.manifest(package), self.packages.keys())
+        return replace(made, language=Language.PYTHON, entry=function)
 
     def library(self, filename: str, package: str = "") -> Program | None:
         """Return the library of a file name (`libx.so`, `lib/libx`, `x`), `package`'s first."""
@@ -189,9 +221,15 @@ class Workspace:
         return tuple(
             found
             for package in self.packages
-            for export in self.manifest(package).exports
+            for export in (*self.manifest(package).exports, *self._exported(package))
             for found in self._described(export, package)
         )
+
+    def _exported(self, package: str) -> Iterator[Export]:
+        """Yield the descriptions of plugins that a package's CMake files export (ROS 2)."""
+        contents = self.contents(package)
+        for tag, path in contents.exports if contents else ():
+            yield Export(tag=tag, path=path)
 
     def _described(self, export: Export, package: str) -> Iterator[PluginClass]:
         try:

@@ -27,6 +27,7 @@ PREDEFINED = """
 #define QT_VERSION_CHECK(a, b, c) ((a << 16) | (b << 8) | (c))
 #define PCL_VERSION_COMPARE(operation, a, b, c) (10801 operation (a * 10000 + b * 100 + c))
 #define EIGEN_VERSION_AT_LEAST(a, b, c) 1
+#define RCLCPP_VERSION_GTE(a, b, c) 1
 #define __attribute__(x)
 #define __declspec(x)
 #define __restrict__
@@ -80,6 +81,7 @@ PREDEFINED = """
 #define PLUGINLIB_REGISTER_CLASS(name, type, base) PLUGINLIB_EXPORT_CLASS(type, base)
 #define CLASS_LOADER_REGISTER_CLASS(type, base) PLUGINLIB_EXPORT_CLASS(type, base)
 #define RCLCPP_COMPONENTS_REGISTER_NODE(type) using PLUGINLIB_EXPORT_CLASS = exported<type>;
+#define BT_REGISTER_NODES(name) void BT_RegisterNodesFromPlugin(BT::BehaviorTreeFactory & name)
 #define GZ_REGISTER_MODEL_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::ModelPlugin)
 #define GZ_REGISTER_WORLD_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::WorldPlugin)
 #define GZ_REGISTER_SENSOR_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::SensorPlugin)
@@ -87,6 +89,17 @@ PREDEFINED = """
 #define GZ_REGISTER_VISUAL_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::VisualPlugin)
 #define GZ_REGISTER_GUI_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::GUIPlugin)
 """
+
+LOGGING = "\n".join(
+    f"#define RCLCPP_{level}{stream}{how}(...)"
+    for level in ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
+    for stream in ("", "_STREAM")
+    for how in (
+        *("", "_ONCE", "_EXPRESSION", "_FUNCTION", "_SKIPFIRST"),
+        *("_THROTTLE", "_SKIPFIRST_THROTTLE"),
+    )
+)
+"""What rclcpp's programs say, which joins no nodes (rclcpp/logging.hpp)."""
 
 QT_WORDS = """
 #define slots

@@ -6,10 +6,11 @@ Files that are included are not read; their names are kept (C++17, clause 19).
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 
 from rtron.sources.code.cpp.condition import holds
 from rtron.sources.code.cpp.macros import CHARACTER, RAW_STRING, STRING, Macro, Macros
-from rtron.sources.code.cpp.predefined import PREDEFINED, QT_WORDS
+from rtron.sources.code.cpp.predefined import LOGGING, PREDEFINED, QT_WORDS
 from rtron.sources.code.ir import Problem
 
 _CONTINUED = r"(?:\\\n|[^\n])*"
@@ -42,13 +43,21 @@ def preprocess(text: str, defined: Mapping[str, str]) -> Preprocessed:
     What cannot be read, an `#if` or an `#endif` without its `#if`, is among the problems.
     """
     reader = _Reader(Macros())
-    reader.read(PREDEFINED + (QT_WORDS if _QT.search(text) else ""))
+    reader.macros.defined.update(_predefined(qt=bool(_QT.search(text))))
     known = {name: Macro(body) for name, body in defined.items()}
     reader.macros.defined.update(known)
     before = dict(reader.macros.defined)
     code = reader.read(text)
     macros = {k: v for k, v in reader.macros.defined.items() if before.get(k) is not v}
     return Preprocessed(code, tuple(reader.includes), macros, tuple(reader.problems))
+
+
+@cache
+def _predefined(*, qt: bool) -> Mapping[str, Macro]:
+    """Return the macros that are defined before a file begins, read once."""
+    reader = _Reader(Macros())
+    reader.read(PREDEFINED + LOGGING + (QT_WORDS if qt else ""))
+    return reader.macros.defined
 
 
 @dataclass(slots=True)

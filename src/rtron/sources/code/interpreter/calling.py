@@ -7,7 +7,7 @@ from rtron.sources.code.interpreter.assignment import place_of
 from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.iterators import item_at
-from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.mutation import mutate
 from rtron.sources.code.interpreter.values import (
     Choice,
@@ -23,7 +23,6 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Text,
     Value,
-    each,
     is_tainted,
     is_text,
     join,
@@ -61,8 +60,22 @@ def _note_unknown(machine: Machine, name: str, arguments: Arguments) -> None:
 def dispatch(machine: Machine, called: Value, arguments: Arguments) -> Value:
     """Call any value; of several, each."""
     if isinstance(called, Choice):
-        return each(called, lambda option: dispatch(machine, option, arguments))
+        return _dispatch_each(machine, called, arguments)
     return _CALLS.get(type(called), _call_unknown)(machine, called, arguments)
+
+
+def _dispatch_each(machine: Machine, called: Choice, arguments: Arguments) -> Value:
+    """Call each of several; an exception is certain where all of them throw."""
+    found: list[Value] = []
+    thrown: ThrownError | None = None
+    for option in called.options:
+        try:
+            found.append(dispatch(machine, option, arguments))
+        except ThrownError as error:  # noqa: PERF203 - the others are called all the same
+            thrown = error
+    if thrown is not None and not found:
+        raise thrown
+    return join(found)
 
 
 def _call_native_class(machine: Machine, called: NativeClass, arguments: Arguments) -> Value:

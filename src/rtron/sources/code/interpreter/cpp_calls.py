@@ -17,9 +17,7 @@ from rtron.sources.code.interpreter.values import (
     Placeholder,
     Value,
 )
-from rtron.sources.code.ir import (
-    Param,
-)
+from rtron.sources.code.ir import Expr, Param
 from rtron.sources.code.natives.containers import copied
 
 
@@ -42,14 +40,18 @@ class CppCalls(CppTypes):
             cls=called.cls,
             scope=getattr(outer, "scope", "") or function.name.rpartition("::")[0],
             types=self.bound_types(called, passed),
+            caller=arguments,
         )
-        default = Frame(file=function.file, scope=frame.scope, this=frame.this, types=frame.types)
-        frame.variables = bind(
-            function.params, passed, lambda node: self.machine.evaluate(node, default)
-        )
+
+        def default(node: Expr) -> Value:
+            types = frame.types
+            around = Frame(file=function.file, scope=frame.scope, this=frame.this, types=types)
+            return self.machine.evaluate(node, around)
+
+        frame.variables = bind(function.params, passed, default)
         for at, param in enumerate(function.params):
             place = passed.place(at)
-            if param.reference and place is not None:
+            if param.reference and place is not None and place.key != "this":
                 frame.aliases[param.name] = place
             elif not param.reference and param.kind == "plain":
                 value = frame.variables[param.name]

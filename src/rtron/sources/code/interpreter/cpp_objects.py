@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
 from rtron.sources.code.interpreter.calling import note_handed
 from rtron.sources.code.interpreter.cpp_calls import CppCalls
 from rtron.sources.code.interpreter.cpp_types import template_types
+from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.iterators import item_at
 from rtron.sources.code.interpreter.overloads import choose
@@ -81,10 +83,32 @@ class CppObjects(CppCalls):
         found = self.files.plugin(name, base)
         if found is None:
             return None
-        for source in found.sources:
-            self.symbols.load(source)
-        cls = self.class_named(found.cls)
+        cls = self._taken_in(found)
         return self.constructed(cls, Arguments(frame=arguments.frame), ()) if cls else None
+
+    def taken_in(self, sources: tuple[Path, ...], name: str) -> tuple[Function, ...]:
+        """Take in sources, and return the functions of a name that they define."""
+        for source in sources:
+            self.symbols.load(source)
+        ours = set(map(str, sources))
+        return tuple(f for f in self.symbols.functions.get(name, ()) if f.file in ours)
+
+    def _taken_in(self, found: Plugin) -> ClassValue | None:
+        """Take in a plugin's sources: those that name its class, the others only if need be."""
+        sources = found.sources
+        if self.symbols.everywhere:
+            sources = self.files.naming(sources, found.cls.partition("<")[0].rpartition("::")[2])
+        for source in sources:
+            self.symbols.load(source)
+        cls = self._aliased_class(found.cls)
+        for source in found.sources if cls is None else ():
+            self.symbols.load(source)
+        return cls or self._aliased_class(found.cls)
+
+    def _aliased_class(self, name: str) -> ClassValue | None:
+        """Return a class by its name, `using Plugin = Template<T>` followed."""
+        found = self.class_of(TypeRef(name.partition("<")[0].strip()), Frame(file=""))
+        return found if isinstance(found, ClassValue) else None
 
     def default(
         self, type: TypeRef | None, frame: Frame, *, pointer: bool = False, line: int = 0
@@ -156,6 +180,7 @@ class CppObjects(CppCalls):
         arguments: Arguments,
         among: tuple[Function, ...],
     ) -> None:
+        self.machine.hand_on(arguments)
         made.bindings.setdefault(cls.name, made.types)
         plain = cls.name.rpartition("::")[2]
         constructors = among or self.overloads(f"{cls.name}::{plain}")
@@ -166,8 +191,9 @@ class CppObjects(CppCalls):
         chosen = choose(constructors, arguments)
         frame = self.frame(FunctionValue(chosen, owner=made, cls=cls), arguments)
         initialisers = dict(chosen.initialisers)
-        if plain in initialisers:
-            self._delegated(made, cls, self._given_to(initialisers[plain], frame), chosen)
+        own = next((key for key in initialisers if _is_own(key, cls)), None)
+        if own is not None:
+            self._delegated(made, cls, self._given_to(initialisers[own], frame), chosen)
         else:
             self._members(made, cls, initialisers, frame)
         self.machine.run(chosen, frame)
@@ -195,7 +221,7 @@ class CppObjects(CppCalls):
                 name = reference.name
                 given = initialisers.get(name, initialisers.get(name.rpartition("::")[2], ()))
                 if isinstance(base, (ClassValue, NativeClass)):
-                    made.bindings[base.name] = self.resolved(reference, frame).args
+                    made.bindings[base.name] = self.written_args(reference, frame)
                 self._base_part(made, base, inherited or self._given_to(given, frame))
         for member in cls.definition.fields:
             if not member.static:
@@ -243,6 +269,11 @@ class CppObjects(CppCalls):
         values = tuple(item_at(self.machine.evaluate(arg, frame)) for arg in node.args)
         places = tuple(place_of(self.machine, arg, frame) for arg in node.args)
         return Arguments(values=values, places=places, line=node.line, frame=frame)
+
+
+def _is_own(name: str, cls: ClassValue) -> bool:
+    """Tell whether an initialiser names the class itself: another constructor runs first."""
+    return f"::{cls.name}".endswith(f"::{name}")
 
 
 def _is_made(node: Expr) -> bool:

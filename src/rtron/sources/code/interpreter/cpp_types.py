@@ -21,8 +21,15 @@ from rtron.sources.code.ir import (
     Function,
     TypeRef,
 )
-from rtron.sources.code.natives.messages import cpp_message, cpp_message_name
+from rtron.sources.code.natives.messages import FOLDERS, cpp_message, cpp_message_name
 
+POINTERS = frozenset(
+    [
+        *("SharedPtr", "ConstSharedPtr", "WeakPtr", "ConstWeakPtr", "UniquePtr"),
+        "SharedConstPtr",
+    ]
+)
+"""What rclcpp's classes call pointers to themselves (rclcpp/macros.hpp)."""
 _MAX_BASES = 32
 
 
@@ -34,6 +41,13 @@ class CppTypes:
     symbols: Symbols
     native_classes: Mapping[str, NativeClass]
     _classes: dict[str, ClassValue] = field(default_factory=dict)
+    _found: dict[tuple[str, str], ClassValue | NativeClass | None] = field(default_factory=dict)
+    _found_at: int = -1
+    _overloads: dict[str, tuple[int, tuple[Function, ...]]] = field(default_factory=dict)
+
+    def size(self) -> int:
+        """Return a number that changes when the program's functions do."""
+        return self.symbols.version
 
     def own_functions(self) -> Iterator[Function]:
         """Yield the functions of the program's sources, and of the headers in its package."""
@@ -57,6 +71,15 @@ class CppTypes:
     def class_of(self, type: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
         """Return the class that a type means, scanned or native."""
         resolved = self.resolved(type, frame)
+        key = resolved.name, frame.scope
+        if self._found_at != self.symbols.version:
+            self._found_at = self.symbols.version
+            self._found.clear()
+        if key not in self._found:
+            self._found[key] = self._class_of(resolved, frame)
+        return self._found[key]
+
+    def _class_of(self, resolved: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
         if "::" in resolved.name and resolved.name in self.native_classes:
             return self.native_classes[resolved.name]
         definition = self.symbols.class_named(resolved.name, frame.scope)
@@ -65,7 +88,8 @@ class CppTypes:
         for candidate in self.symbols.candidates(resolved.name, frame.scope):
             if candidate in self.native_classes:
                 return self.native_classes[candidate]
-        return None
+        is_pointer = resolved.name.rpartition("::")[2] in POINTERS
+        return self.native_classes["std::shared_ptr"] if is_pointer else None
 
     def resolved(self, type: TypeRef, frame: Frame) -> TypeRef:
         """Return a type with template parameters and typedefs followed."""
@@ -75,6 +99,14 @@ class CppTypes:
             type = TypeRef(f"{frame.types[head].name}::{rest}", type.args)
         found = self.symbols.type(type, frame.scope)
         return TypeRef(found.name, tuple(self.resolved(arg, frame) for arg in found.args))
+
+    def written_args(self, type: TypeRef, frame: Frame) -> tuple[TypeRef, ...]:
+        """Return the template arguments of a type, classes by the names they have everywhere."""
+        return tuple(self._full(arg, frame) for arg in self.resolved(type, frame).args)
+
+    def _full(self, type: TypeRef, frame: Frame) -> TypeRef:
+        found = self.symbols.class_named(type.name, frame.scope)
+        return type if found is None else TypeRef(found.name, type.args)
 
     def class_named(self, name: str) -> ClassValue | None:
         """Return a scanned class by its qualified name."""
@@ -120,9 +152,17 @@ class CppTypes:
         for using in self.symbols.usings:
             package, _, name = using.rpartition("::")
             for owner, what in ((package, name), (using, plain)):
+                if owner.rpartition("::")[2] in FOLDERS and what == plain:
+                    return self._opened_in_folder(owner, plain, named=name == plain)
                 if what == plain and self.files.has_message(owner, cpp_message_name(plain)):
                     return f"{owner}/{cpp_message_name(plain)}"
         return ""
+
+    def _opened_in_folder(self, space: str, plain: str, *, named: bool) -> str:
+        """ROS 2: what `using std_msgs::msg::String` or `using namespace std_msgs::msg` brings."""
+        package, _, folder = space.partition("::")
+        is_message = named or self.files.has_message(package, plain)
+        return f"{package}/{folder}/{plain}" if is_message else ""
 
     def types_of(self, called: FunctionValue) -> Mapping[str, TypeRef]:
         """Return what a method's template parameters, and those of its class, mean."""
@@ -158,8 +198,23 @@ class CppTypes:
 
     def overloads(self, name: str) -> tuple[Function, ...]:
         """Return the functions of a qualified name, those with a body if there are any."""
+        known = self._overloads.get(name)
+        if known is None or known[0] != self.symbols.version:
+            found = self._found_overloads(name)
+            known = self._overloads[name] = (self.symbols.version, found)
+        return known[1]
+
+    def _sought(self, functions: list[Function]) -> bool:
+        """Look for the definitions of functions that are only declared so far."""
+        answers = [self.symbols.seek(function) for function in list(functions)]
+        return any(answers)
+
+    def _found_overloads(self, name: str) -> tuple[Function, ...]:
         functions = self.symbols.functions.get(name, [])
         defined = [function for function in functions if function.body is not None]
+        if functions and not defined and self._sought(functions):
+            functions = self.symbols.functions.get(name, [])
+            defined = [function for function in functions if function.body is not None]
         return tuple(_with_defaults(defined, functions) if defined else functions)
 
 

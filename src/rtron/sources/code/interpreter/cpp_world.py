@@ -23,6 +23,7 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Text,
     Value,
+    each,
     is_text,
 )
 from rtron.sources.code.ir import (
@@ -37,13 +38,18 @@ from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
 from rtron.sources.code.natives.cpp_std import CONSTANTS, PARAMETER_KIND, PLACEHOLDERS, kind_of
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
 
+_MAKERS = frozenset({"make_shared", "make_unique"})
+
 
 @dataclass(eq=False, slots=True, kw_only=True)
 class CppWorld(CppObjects):
     """One program as the machine asks for it."""
 
     functions: Mapping[str, Native]
+    constants: Mapping[str, Value] = field(default_factory=lambda: CONSTANTS)
     _globals: dict[str, Value] = field(default_factory=dict)
+    _known: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
+    _known_at: int = -1
 
     by_reference = True
 
@@ -82,7 +88,7 @@ class CppWorld(CppObjects):
         if isinstance(owner, Instance):
             target = item_at(owner)
             if target is not owner and not name.startswith("operator"):
-                return self.attribute(target, name, types)
+                return each(target, lambda one: self.attribute(one, name, types) or Hole(name))
             return self._of_instance(owner, name, types)
         if name == "getType":
             return Native(name, kind_of, owner)
@@ -146,14 +152,22 @@ class CppWorld(CppObjects):
         owner, _, method = name.rpartition("::")
         definition = self.symbols.class_named(owner, frame.scope)
         if definition is None or frame.this is None:
-            return None
+            return self._native_method(owner, method, frame)
         functions = self.overloads(f"{definition.name}::{method}")
         if not functions:
             return None
         return bound_overloads(functions, frame.this, self._class(definition))
 
+    def _native_method(self, owner: str, method: str, frame: Frame) -> Value | None:
+        """`rclcpp::Node::shared_from_this` inside a class that extends it."""
+        base = self.class_of(TypeRef(owner), frame)
+        if not isinstance(base, NativeClass) or not isinstance(frame.this, Instance):
+            return None
+        call = base.methods.get(method) if base in self.lineage(frame.this.type) else None
+        return Native(method, call, frame.this) if call is not None else None
+
     def _outer(self, name: Name, frame: Frame) -> Value:
-        found = self._parameter(name, frame) or CONSTANTS.get(name.id)
+        found = self._parameter(name, frame) or self.constants.get(name.id)
         if found is None and "::" in name.id and name.id in self.functions:
             found = self._native(name.id, name)
         return found or self._around(name, frame) or self._made_by(name, frame)
@@ -169,18 +183,43 @@ class CppWorld(CppObjects):
 
     def _around(self, name: Name, frame: Frame) -> Value | None:
         """Return what a name means in the namespaces around, and through their aliases."""
-        followed = self.resolved(TypeRef(name.id), frame).name
-        aliased = (followed,) if followed != name.id and "::" in followed else ()
-        candidates = (*self.symbols.candidates(name.id, frame.scope), *aliased)
+        if name.id.partition("::")[0] in frame.types:
+            return self._among(self._candidates(name.id, frame), name)
+        key = name.id, frame.scope
+        if self._known_at != self.symbols.version:
+            self._known_at = self.symbols.version
+            self._known.clear()
+        if key not in self._known:
+            candidates = self._candidates(name.id, frame)
+            self._known[key] = tuple(c for c in candidates if self._is_global(c))
+        return self._among(self._known[key], name)
+
+    def _candidates(self, name: str, frame: Frame) -> tuple[str, ...]:
+        followed = self.resolved(TypeRef(name), frame).name
+        aliased = (followed,) if followed != name and "::" in followed else ()
+        return (*self.symbols.candidates(name, frame.scope), *aliased)
+
+    def _among(self, candidates: tuple[str, ...], name: Name) -> Value | None:
         found = (self._global(candidate, name) for candidate in candidates)
         return next((value for value in found if value is not None), None)
+
+    def _is_global(self, name: str) -> bool:
+        symbols = self.symbols
+        tables = (symbols.variables, symbols.enums, symbols.functions, self.functions)
+        return name in self._globals or any(name in table for table in tables)
 
     def _made_by(self, name: Name, frame: Frame) -> Value:
         if name.id in PLACEHOLDERS:
             return PLACEHOLDERS[name.id]
         if name.id.startswith(PARAMETER_KIND):
             return Known(name.id.removeprefix(PARAMETER_KIND))
-        return self._type_value(TypeRef(name.id, name.types), frame) or Foreign(name.id)
+        made = self._type_value(TypeRef(name.id, name.types), frame)
+        return made or self._maker(name, frame) or Foreign(name.id)
+
+    def _maker(self, name: Name, frame: Frame) -> Value | None:
+        """`Class::make_shared(…)`, which rclcpp gives its classes (rclcpp/macros.hpp)."""
+        cls, _, last = name.id.rpartition("::")
+        return self._type_value(TypeRef(cls), frame) if cls and last in _MAKERS else None
 
     def _global(self, name: str, node: Name) -> Value | None:
         if name in self._globals:

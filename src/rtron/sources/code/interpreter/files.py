@@ -43,3 +43,26 @@ class Files(Protocol):
     def plugin(self, name: str, base: str) -> Plugin | None:
         """Return the class that pluginlib knows by a name or type."""
         ...
+
+    def plugins(self, base: str) -> tuple[str, ...]:
+        """Return the names of all plugins of a base class."""
+        ...
+
+    def library(self, name: str) -> tuple[Path, ...]:
+        """Return the sources of the library that a file name means."""
+        ...
+
+    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+        """Return the sources of each library that has a word in one of them."""
+        ...
+
+    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+        """Return those of some sources whose text has a word."""
+        ...
+
+    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+        """Return the sources of a header's package that may define a class or function.
+
+        `word` is the plain name of the class or function.
+        """
+        ...

@@ -21,7 +21,7 @@ class Frame:
 
     `closure` is the frame around a Python function. `aliases` are C++ references: names that
     stand for a place of the caller. `types` binds template parameters. `scope` is the C++
-    namespace or class that the code is written in.
+    namespace or class that the code is written in. `caller` is the call that led here.
     """
 
     file: str
@@ -36,3 +36,4 @@ class Frame:
     aliases: dict[str, Place] = field(default_factory=dict)
     returns: list[Value] = field(default_factory=list)
     yields: list[Value] = field(default_factory=list)
+    caller: Any = None

@@ -34,7 +34,8 @@ def for_each(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
             if outcome in _LEAVES:
                 return outcome
         if not certain or len(items) > most:
-            in_doubt(machine, frame, lambda: _round(machine, node, frame))
+            written = assigned_names(node.body)
+            in_doubt(machine, frame, lambda: _round(machine, node, frame), written)
     return None
 
 
@@ -79,16 +80,34 @@ def _turns(machine: Machine, node: While, frame: Frame, most: int) -> Outcome:
         if outcome in _LEAVES:
             return outcome
         machine.execute(node.step, frame)
-    in_doubt(machine, frame, lambda: machine.execute(node.body + node.step, frame))
+    written = assigned_names(node.body) | assigned_names(node.step)
+    in_doubt(machine, frame, lambda: machine.execute(node.body + node.step, frame), written)
     return None
 
 
-def in_doubt(machine: Machine, frame: Frame, run: Callable[[], Outcome]) -> None:
-    """Run a loop's body once, what it counts made unknown first."""
-    if machine.discovering < MAX_DISCOVERIES:
+def in_doubt(
+    machine: Machine,
+    frame: Frame,
+    run: Callable[[], Outcome],
+    written: frozenset[str] | None = None,
+) -> None:
+    """Run a loop's body once, what it counts made unknown first.
+
+    What it counts is found by a trial, or is what of `written` holds a number or a string.
+    """
+    if written is not None and machine.recorder.site.ros > 1:
+        _unknown(machine, frame, written)
+    elif machine.discovering < MAX_DISCOVERIES:
         for place, key, value in list(_changed(machine, run)):
             machine.trail.set(place, key, value)
     machine.trail.either([lambda: run() is None, lambda: True], frame.variables)
+
+
+def _unknown(machine: Machine, frame: Frame, written: frozenset[str]) -> None:
+    for name in written:
+        place, key = machine.world.place(name, frame)
+        if _is_scalar(place.get(key)):
+            machine.trail.set(place, key, Hole(str(key)))
 
 
 def _changed(

@@ -35,6 +35,7 @@ MAX_STEPS = 800_000
 MAX_ASIDE = 4_000
 MAX_CALLS = 48
 MAX_SAME = 3
+MAX_HANDED = 1_000
 MAX_ALIKE = 128
 """How many callbacks of one function are run: as often as a loop is unrolled."""
 
@@ -73,12 +74,17 @@ class Machine:
     executors: dict[type, Callable[["Machine", "Stmt", Frame], Outcome]]
     trail: Trail = field(default_factory=Trail)
     pending: list[FunctionValue] = field(default_factory=list)
+    deferred: list[Callable[[], object]] = field(default_factory=list)
+    handed: list[FunctionValue] = field(default_factory=list)
     escaped: list[Function] = field(default_factory=list)
     called_back: int = 0
     instances: list[Value] = field(default_factory=list)
     volatile: frozenset[str] = frozenset()
+    shared: set[int] = field(default_factory=set)
+    transitions: set[tuple[int, str]] = field(default_factory=set)
     parameters: dict[str, Value] = field(default_factory=dict)
     joining: dict[tuple[str, int, str], bool] = field(default_factory=dict)
+    joining_at: int = 0
     ran: set[tuple[str, int, str]] = field(default_factory=set)
     catching: list[tuple[str, ...]] = field(default_factory=list)
     discovering: int = 0
@@ -87,6 +93,11 @@ class Machine:
     _limit: int = MAX_STEPS
     _loops: int = 0
     _stack: list[Function] = field(default_factory=list)
+
+    @property
+    def spent(self) -> int:
+        """How many steps the program has taken."""
+        return self._steps
 
     def evaluate(self, node: Expr, frame: Frame) -> Value:
         """Return the value of an expression."""
@@ -110,8 +121,15 @@ class Machine:
         if function.body is None or not self._may_enter(function):
             self._note_left(function, arguments)
             return Hole(f"{function.name}()", type=function.returns)
+        self.hand_on(arguments)
         frame = self.world.frame(called, arguments)
-        if not self._run_within(function, frame):
+        try:
+            ended = self._run_within(function, frame)
+        except ThrownError:
+            if not frame.returns:
+                raise
+            ended = True
+        if not ended:
             return Hole(f"{function.name}()", type=function.returns)
         if frame.yields:
             return ListValue({"items": tuple(frame.yields)})
@@ -178,6 +196,12 @@ class Machine:
         elif self.matters(self, function):
             place = Evidence(file=function.file, line=function.line)
             self.recorder.unresolved(function.name, "more callbacks than are run", place)
+
+    def hand_on(self, arguments: Arguments) -> None:
+        """Remember the functions that a call passes, in case that nothing seen calls them."""
+        if self.recorder.site.ros > 1 and len(self.handed) < MAX_HANDED:
+            given = (value for value in arguments.values if isinstance(value, FunctionValue))
+            self.handed.extend(value for value in given if value not in self.handed)
 
     @contextmanager
     def looping(self) -> Iterator[int]:

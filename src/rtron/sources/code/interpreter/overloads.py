@@ -29,22 +29,29 @@ def _score(function: Function, arguments: Arguments) -> tuple[bool, bool, int]:
     varied = any(param.kind != "plain" for param in function.params)
     fits = least <= count and (count <= most or varied)
     pairs = zip(function.params, arguments.values, strict=False)
-    return fits, function.body is not None, sum(_match(param, value) for param, value in pairs)
+    matches = sum(_match(param, value, function.template) for param, value in pairs)
+    return fits, function.body is not None, matches
 
 
-def _match(param: Param, value: Value) -> int:
+def _match(param: Param, value: Value, template: tuple[str, ...]) -> int:
+    if param.type is not None and param.type.name in template:
+        return 1
     if param.type is None or isinstance(value, (Hole, Choice)):
         return 0
-    last = param.type.name.rpartition("::")[2]
+    return _fit(param.type, value)
+
+
+def _fit(type: TypeRef, value: Value) -> int:
+    last = type.name.rpartition("::")[2]
     if isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str)):
-        return 2 if param.type.name in _TEXTS else -_is_scalar(param.type)
+        return 2 if type.name in _TEXTS else -_is_scalar(type)
     if isinstance(value, Known):
-        return 1 if param.type.name in _NUMBERS else -1
+        return 1 if type.name in _NUMBERS else -1
     if isinstance(value, Instance):
         name = value.type.name.rpartition("::")[2]
-        return 3 if name == last or name in str(param.type) else -2 * _is_scalar(param.type)
+        return 3 if name == last or name in str(type) else -2 * _is_scalar(type)
     if isinstance(value, (FunctionValue, ClassValue)):
-        return -2 * _is_scalar(param.type)
+        return -2 * _is_scalar(type)
     return 0
 
 

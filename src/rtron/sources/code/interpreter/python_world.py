@@ -25,6 +25,7 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.ir import Class, Declare, Define, Lambda, Name, New, TypeRef
 from rtron.sources.code.natives.containers import LIST, PYTHON_MAP, bound
 from rtron.sources.code.natives.python_environment import ENVIRONMENT, Environment
+from rtron.sources.code.natives.python_paths import PathText, path_member
 from rtron.sources.code.natives.strings import PYTHON_TEXT, text_method
 
 
@@ -112,6 +113,7 @@ class PythonWorld(PythonObjects):
             variables=variables,
             closure=closure,
             cls=called.cls,
+            caller=arguments,
         )
 
 
@@ -123,6 +125,10 @@ def _of_value(owner: Value, name: str) -> Value | None:
         return bound(ENVIRONMENT, owner, name)
     if isinstance(owner, MapValue):
         return bound(PYTHON_MAP, owner, name)
+    if isinstance(owner, Known) and isinstance(owner.value, PathText):
+        member = path_member(owner, name)
+        if member is not None:
+            return member
     if isinstance(owner, Text) or (isinstance(owner, Known) and isinstance(owner.value, str)):
         return text_method(PYTHON_TEXT, owner, name)
     return None

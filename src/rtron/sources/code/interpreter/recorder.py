@@ -1,6 +1,6 @@
 """Collects what a program declares while it is interpreted."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.sources.code.interpreter.values import (
@@ -16,14 +16,16 @@ from rtron.sources.code.ir import Problem
 from rtron.sources.declaration import (
     Declaration,
     DeclarationKind,
+    MadeNode,
     NodeInterface,
     NodeSite,
     StartedLaunch,
 )
-from rtron.vocabulary import Evidence, Resolution, Unresolved
+from rtron.vocabulary import Evidence, QoS, Resolution, Unresolved
 from rtron.vocabulary.launch import resolve_name
 
 MAX_DECLARATIONS = 2000
+MAX_PLACES = 24
 
 
 @dataclass(slots=True)
@@ -32,7 +34,10 @@ class Recorder:
 
     site: NodeSite
     muted: int = 0
-    _declarations: dict[tuple[DeclarationKind, str, str], Declaration] = field(default_factory=dict)
+    _declarations: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(
+        default_factory=dict
+    )
+    _nodes: dict[str, MadeNode] = field(default_factory=dict)
     _starts: dict[StartedLaunch, None] = field(default_factory=dict)
     _unresolved: dict[Unresolved, None] = field(default_factory=dict)
 
@@ -41,25 +46,33 @@ class Recorder:
         kind: DeclarationKind,
         name: Value,
         type: str,
-        evidence: Evidence,
-        *,
+        *evidence: Evidence,
         implicit: bool = False,
         latched: bool = False,
+        node: str = "",
+        qos: QoS | None = None,
     ) -> None:
         """Record a declared name, once for each of its options."""
-        for option in self._likely(name):
+        for option in self.likely(name):
             declared = Declaration(
                 kind=kind,
                 name=resolve_name(spelled(option), self.site.name),
                 type=type,
+                node=node,
+                qos=qos,
                 implicit=implicit,
                 latched=latched,
                 resolution=_resolution(option),
-                evidence=(evidence,),
+                evidence=evidence,
             )
             self._add(declared)
 
-    def _likely(self, name: Value) -> tuple[Value, ...]:
+    def node(self, made: MadeNode) -> None:
+        """Record a node that the process makes."""
+        if not self.muted and len(self._nodes) < MAX_DECLARATIONS:
+            self._nodes.setdefault(made.name, made)
+
+    def likely(self, name: Value) -> tuple[Value, ...]:
         """Return what to report of a name: where no launch is known, a default is the answer."""
         found = options(name)
         known = tuple(option for option in found if isinstance(option, Known))
@@ -83,6 +96,7 @@ class Recorder:
     def result(self) -> NodeInterface:
         """Return all that was recorded."""
         return NodeInterface(
+            nodes=tuple(self._nodes.values()),
             declarations=tuple(self._declarations.values()),
             starts=tuple(self._starts),
             unresolved=tuple(self._unresolved),
@@ -91,8 +105,11 @@ class Recorder:
     def _add(self, declared: Declaration) -> None:
         if self.muted or len(self._declarations) >= MAX_DECLARATIONS:
             return
-        key = (declared.kind, declared.name, declared.type)
-        self._declarations.setdefault(key, declared)
+        key = (declared.kind, declared.name, declared.type, declared.node)
+        known = self._declarations.setdefault(key, declared)
+        if known is not declared and declared.node and len(known.evidence) < MAX_PLACES:
+            places = dict.fromkeys((*known.evidence, *declared.evidence))
+            self._declarations[key] = replace(known, evidence=tuple(places))
 
 
 def _resolution(name: Value) -> Resolution:

@@ -32,6 +32,7 @@ from rtron.sources.code.ir import (
     While,
     Yield,
 )
+from rtron.sources.code.words import effects
 
 
 def branch(machine: Machine, frame: Frame, blocks: tuple[tuple[Stmt, ...], ...]) -> Outcome:
@@ -69,6 +70,8 @@ def _declare(machine: Machine, node: Declare, frame: Frame) -> Outcome:
 def _if(machine: Machine, node: If, frame: Frame) -> Outcome:
     decided = truth(machine.evaluate(node.test, frame))
     if decided is None:
+        if machine.recorder.site.ros > 1 and not (effects(node.body) or effects(node.orelse)):
+            return None
         return branch(machine, frame, (node.body, node.orelse))
     return machine.execute(node.body if decided else node.orelse, frame)
 

@@ -25,6 +25,14 @@ NATIVE_FOLDERS = frozenset(
         "tf",
         "tf2_ros",
         "camera_info_manager",
+        "rclcpp",
+        "rclcpp_action",
+        "rclcpp_components",
+        "rclcpp_lifecycle",
+        "behaviortree_cpp",
+        "behaviortree_cpp_v3",
+        "tf2",
+        "tf2_geometry_msgs",
     ]
 )
 """Headers of libraries that `natives` stand for: their own source is not run."""
@@ -33,10 +41,14 @@ _MAX_ALIASES = 12
 
 @dataclass(eq=False, slots=True)
 class Symbols:
-    """Functions, classes, variables, aliases and enumerators, by their qualified names."""
+    """Functions, classes, variables, aliases and enumerators, by their qualified names.
+
+    `everywhere` says that what another package defines is looked for in its sources when needed.
+    """
 
     files: Files
     sources: tuple[Path, ...] = ()
+    everywhere: bool = False
     functions: dict[str, list[Function]] = field(default_factory=dict)
     classes: dict[str, Class] = field(default_factory=dict)
     variables: dict[str, tuple[Declare, str]] = field(default_factory=dict)
@@ -47,6 +59,12 @@ class Symbols:
     units: dict[Path, Unit] = field(default_factory=dict)
     _plain: dict[str, list[Function]] = field(default_factory=dict)
     _methods: dict[str, list[str]] = field(default_factory=dict)
+    _candidates: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
+    _followed: dict[tuple[TypeRef, str], TypeRef] = field(default_factory=dict)
+    _meant: dict[tuple[str, str], Class | None] = field(default_factory=dict)
+    _own: dict[str, bool] = field(default_factory=dict)
+    version: int = 0
+    _sought: set[tuple[str, str]] = field(default_factory=set)
 
     def load(self, path: Path) -> None:
         """Take in a file and the headers it includes, headers first."""
@@ -62,23 +80,49 @@ class Symbols:
                 self.load(header)
         self._take(unit)
 
+    def seek(self, function: Function) -> bool:
+        """Take in the sources that may define a function which is only declared so far.
+
+        Those of its header's package; tell whether there are any.
+        """
+        owner, _, plain = function.name.rpartition("::")
+        word = owner.rpartition("::")[2] if owner in self.classes else plain
+        if not self.everywhere or (function.file, word) in self._sought:
+            return False
+        self._sought.add((function.file, word))
+        found = self.files.implementing(Path(function.file), word)
+        missing = [path for path in found if path not in self.units]
+        for path in missing:
+            self.load(path)
+        return bool(missing)
+
     def named(self, plain: str) -> tuple[Function, ...]:
         """Return the functions whose last part is a name."""
         return tuple(self._plain.get(plain, ()))
 
     def is_own(self, file: str) -> bool:
         """Tell whether a file is one of the program's sources, or a header of its package."""
-        path = Path(file)
-        return path in self.sources or any(
-            path.is_relative_to(folder) for source in self.sources for folder in source.parents[:2]
-        )
+        if file not in self._own:
+            path = Path(file)
+            self._own[file] = path in self.sources or any(
+                path.is_relative_to(folder)
+                for source in self.sources
+                for folder in source.parents[:2]
+            )
+        return self._own[file]
 
     def methods(self, cls: str) -> list[str]:
         """Return the names of the methods defined for a class."""
         return self._methods.get(cls, [])
 
-    def candidates(self, name: str, scope: str) -> Iterator[str]:
-        """Yield the qualified names that a name may mean in a namespace or class, nearest first."""
+    def candidates(self, name: str, scope: str) -> tuple[str, ...]:
+        """Return the qualified names that a name may mean in a scope, nearest first."""
+        key = name, scope
+        if key not in self._candidates:
+            self._candidates[key] = tuple(dict.fromkeys(self._candidates_of(name, scope)))
+        return self._candidates[key]
+
+    def _candidates_of(self, name: str, scope: str) -> Iterator[str]:
         if name.startswith("::"):
             yield name[2:]
             return
@@ -92,19 +136,32 @@ class Symbols:
 
     def type(self, type: TypeRef, scope: str) -> TypeRef:
         """Return a type with its typedefs and namespace aliases followed."""
-        for _ in range(_MAX_ALIASES):
+        key = type, scope
+        if key not in self._followed:
+            self._followed[key] = self._follow(type, scope)
+        return self._followed[key]
+
+    def _follow(self, type: TypeRef, scope: str) -> TypeRef:
+        for at in range(_MAX_ALIASES):
             known = self._aliased(type, scope)
             if known is None:
-                return type
+                return self._full(type, scope) if at else type
             type, scope = known
         return type
 
+    def _full(self, type: TypeRef, scope: str) -> TypeRef:
+        """Return the type that an alias means by its full name, which holds in any scope."""
+        found = (name for name in self.candidates(type.name, scope) if name in self.classes)
+        name = next(found, None)
+        return type if name is None else TypeRef(name, type.args)
+
     def class_named(self, name: str, scope: str) -> Class | None:
         """Return the scanned class that a name means."""
-        for candidate in self.candidates(name, scope):
-            if candidate in self.classes:
-                return self.classes[candidate]
-        return None
+        key = name, scope
+        if key not in self._meant:
+            found = (self.classes.get(candidate) for candidate in self.candidates(name, scope))
+            self._meant[key] = next(filter(None, found), None)
+        return self._meant[key]
 
     def _aliased(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
         for candidate in self.candidates(type.name, scope):
@@ -127,7 +184,14 @@ class Symbols:
                 return TypeRef(f"{found.name}::{rest}", type.args), ""
         return None
 
+    def _forget(self) -> None:
+        """Forget what names meant, since a file brings others."""
+        self.version += 1
+        for known in (self._candidates, self._followed, self._meant):
+            known.clear()
+
     def _take(self, unit: Unit) -> None:
+        self._forget()
         self.aliases.update(unit.aliases)
         self.enums.update(unit.enums)
         self.usings.extend(using for using in unit.usings if using not in self.usings)
@@ -137,6 +201,7 @@ class Symbols:
                 if member.static:
                     name = f"{definition.name}::{member.name}"
                     self._take_variable(replace(member, name=name), unit.file)
+        self._forget()
         for function in map(self._qualified, unit.functions):
             self.functions.setdefault(function.name, []).append(function)
             owner, _, plain = function.name.rpartition("::")

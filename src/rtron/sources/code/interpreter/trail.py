@@ -13,8 +13,12 @@ MISSING = object()
 
 @dataclass(slots=True)
 class Trail:
-    """Every write to a frame's variables or an object's fields goes through `set`."""
+    """Every write to a frame's variables or an object's fields goes through `set`.
 
+    `elementwise` says that lists of one length, left by branches, are joined item by item.
+    """
+
+    elementwise: bool = False
     _log: list[tuple[dict[Any, Any], Any, Any]] = field(default_factory=list)
     _depth: int = 0
 
@@ -53,7 +57,7 @@ class Trail:
             after = [w[key][2] if key in w else before for w in kept]
             found = [value for value in after if value is not MISSING]
             if found:
-                self.set(place, name, _joined(found))
+                self.set(place, name, _joined(found, elementwise=self.elementwise))
             elif name in place:
                 self.remove(place, name)
 
@@ -96,10 +100,12 @@ def _all_items(values: list[tuple[Any, ...]]) -> tuple[Any, ...]:
     )
 
 
-def _joined(values: list[Any]) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag
+def _joined(values: list[Any], *, elementwise: bool) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag
     first = values[0] if values else None
     if all(value is first or value == first for value in values):
         return first
+    if isinstance(first, tuple) and elementwise and len(set(map(len, values))) == 1:
+        return tuple(map(join, zip(*values, strict=True)))
     if isinstance(first, tuple):
         return _all_items(values)
     if isinstance(first, bool):

@@ -174,11 +174,15 @@ class Native:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NativeClass:
-    """A class of a library that RTron knows: how it is made and what its methods do."""
+    """A class of a library that RTron knows: how it is made and what its methods do.
+
+    `called` are the virtual methods that the library calls by itself, in this order.
+    """
 
     name: str
     make: Callable[..., "Value"] | None = None
     methods: dict[str, Callable[..., "Value"]] = field(default_factory=dict)
+    called: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

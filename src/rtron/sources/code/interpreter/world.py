@@ -81,6 +81,10 @@ class World(Protocol):
         """Return the scanned functions with a plain name, in whatever class."""
         ...
 
+    def size(self) -> int:
+        """Return a number that changes when the program's functions do."""
+        ...
+
     def own_functions(self) -> Iterator[Function]:
         """Yield the functions of the program's own files."""
         ...
@@ -109,6 +113,10 @@ class Cpp(World, Protocol):
 
     def owned(self, called: FunctionValue, owner: Instance) -> FunctionValue:
         """Return a method named by `&Class::method`, bound to an object of that class."""
+        ...
+
+    def taken_in(self, sources: tuple[object, ...], name: str) -> tuple[Function, ...]:
+        """Take in sources, and return the functions of a name that they define."""
         ...
 
     def plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:

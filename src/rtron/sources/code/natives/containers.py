@@ -29,6 +29,8 @@ Methods = Mapping[str, Callable[..., Value]]
 
 def _write(machine: Machine, owner: ListValue, items: tuple[Value, ...]) -> Value:
     machine.trail.set(owner.fields, "items", items[:MAX_ITEMS])
+    if len(items) > MAX_ITEMS:
+        machine.trail.open(owner.fields)
     return NONE
 
 
@@ -44,7 +46,7 @@ def _append_left(machine: Machine, owner: ListValue, arguments: Arguments) -> Va
 def _push(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
     """`push_back`: an object of a class is copied, as C++ does."""
     item = arguments.get(0) or NONE
-    item = copied(item)
+    item = item if id(item) in machine.shared else copied(item)
     return _write(machine, owner, (*owner.items, item))
 
 

@@ -116,7 +116,14 @@ def make_pointer(_: Machine, arguments: Arguments) -> Value:
 def make_shared(machine: Machine, _: object, arguments: Arguments) -> Value:
     """Make the object: `std::make_shared<T>(…)`."""
     type = arguments.types[0] if arguments.types else TypeRef("?")
-    return cpp(machine).make(type, arguments)
+    return shared(machine, cpp(machine).make(type, arguments))
+
+
+def shared(machine: Machine, made: Value) -> Value:
+    """Remember that an object is held by pointers: in ROS 2, a list of them holds itself."""
+    if isinstance(made, Instance) and machine.recorder.site.ros > 1:
+        machine.shared.add(id(made))
+    return made
 
 
 _THREAD = NativeClass("boost::thread")

@@ -4,6 +4,7 @@ from rtron.sources.code.interpreter.values import MessageType
 from rtron.sources.code.ir import TypeRef
 
 _KINDS = {"msg", "srv"}
+FOLDERS = {"msg", "srv", "action"}
 _POINTERS = {
     "boost::shared_ptr",
     "std::shared_ptr",
@@ -12,6 +13,9 @@ _POINTERS = {
     "ros::MessageEvent",
     "MessageEvent",
     "message_filters::MessageEvent",
+    "std::unique_ptr",
+    "unique_ptr",
+    "rclcpp::LoanedMessage",
 }
 _NO_PACKAGES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
 _SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr", "Request", "Response")
@@ -33,6 +37,8 @@ def message_type(dotted: str) -> MessageType | None:
 def cpp_message(type: TypeRef | None) -> str:
     """Return the message that a C++ type means: `std_msgs::String::ConstPtr` is std_msgs/String.
 
+    In ROS 2, `std_msgs::msg::String::SharedPtr` is std_msgs/msg/String.
+
     A point cloud of PCL travels as a PointCloud2 (ROS wiki: pcl_ros).
 
     Empty for what does not look like a message of a package.
@@ -44,6 +50,8 @@ def cpp_message(type: TypeRef | None) -> str:
     if type.name.startswith("pcl::PointCloud"):
         return "sensor_msgs/PointCloud2"
     parts = [part for part in type.name.split("::") if part]
+    if len(parts) > 2 and parts[1] in FOLDERS:  # noqa: PLR2004
+        return "/".join(parts[:3])
     if len(parts) > 2 and parts[-1] in _SUFFIXES:  # noqa: PLR2004
         parts.pop()
     if len(parts) != 2 or parts[0] in _NO_PACKAGES or parts[1] in _SUFFIXES:  # noqa: PLR2004

@@ -26,6 +26,7 @@ from rtron.sources.code.natives.python_collections import PYTHON_COLLECTIONS
 from rtron.sources.code.natives.python_environment import environment, getenv
 from rtron.sources.code.natives.python_files import PYTHON_FILES
 from rtron.sources.code.natives.python_hidden import PYTHON_HIDDEN
+from rtron.sources.code.natives.python_paths import PYTHON_PATHS
 from rtron.sources.code.natives.started import shell_words, started_by_words
 from rtron.sources.code.natives.threads import THREADS
 
@@ -177,6 +178,7 @@ PYTHON_LIBRARY: Mapping[str, Value] = {
     **PYTHON_COLLECTIONS,
     **PYTHON_FILES,
     **PYTHON_HIDDEN,
+    **PYTHON_PATHS,
     **THREADS,
     **{name: Native(name, call) for name, call in _CALLS.items()},
 }

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.sources.workspace.files import PackageFiles
-from rtron.sources.workspace.package import Target, TargetKind
+from rtron.sources.workspace.package import Component, Target, TargetKind
 from rtron.vocabulary import Evidence, Unresolved
 
 MAX_NOTES = 200
@@ -38,6 +38,8 @@ class Build:
     include_dirs: dict[Path, None] = field(default_factory=dict)
     found: dict[str, None] = field(default_factory=dict)
     installed: dict[str, Path] = field(default_factory=dict)
+    components: dict[tuple[str, str], Component] = field(default_factory=dict)
+    exports: dict[tuple[str, Path], None] = field(default_factory=dict)
     unresolved: list[Unresolved] = field(default_factory=list)
 
     def note(self, what: str, why: str, evidence: Evidence) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.bounded import read_bounded
+from rtron.sources.workspace.cmake.ament import AMENT_COMMANDS
 from rtron.sources.workspace.cmake.binding import bound, loop_values, restore
 from rtron.sources.workspace.cmake.blocks import Block, Branch, Statement, nest
 from rtron.sources.workspace.cmake.build import Build
@@ -24,7 +25,7 @@ MAX_BYTES = 1024 * 1024
 MAX_DEPTH = 48
 LIST_FILE = "CMakeLists.txt"
 
-_HANDLERS = {**VARIABLE_COMMANDS, **TARGET_COMMANDS}
+_HANDLERS = {**VARIABLE_COMMANDS, **TARGET_COMMANDS, **AMENT_COMMANDS}
 _LINUX = {
     **dict.fromkeys(("WIN32", "APPLE", "MSVC", "ANDROID", "CYGWIN", "MINGW", "IOS"), "0"),
     **dict.fromkeys(("UNIX", "CATKIN_ENABLE_TESTING", "CMAKE_COMPILER_IS_GNUCXX"), "1"),
@@ -54,6 +55,8 @@ def evaluate(name: str, files: PackageFiles) -> PackageContents:
         include_dirs=tuple(build.include_dirs),
         found=tuple(build.found),
         installed=tuple(build.installed.items()),
+        components=tuple(build.components.values()),
+        exports=tuple(build.exports),
         unresolved=tuple(build.unresolved),
     )
 

@@ -1,0 +1,162 @@
+"""The classes of launch, launch_ros and nav2_common: their modules, and their parameters' names."""
+
+from collections.abc import Mapping
+
+_ACTIONS: Mapping[str, tuple[str, ...]] = {
+    "AppendEnvironmentVariable": ("name", "value"),
+    "DeclareLaunchArgument": ("name",),
+    "EmitEvent": (),
+    "ExecuteLocal": (),
+    "ExecuteProcess": (),
+    "ForEach": ("input_values", "function"),
+    "ForLoop": ("iterations", "function"),
+    "GroupAction": ("actions",),
+    "IncludeLaunchDescription": ("launch_description_source",),
+    "Log": (),
+    "LogDebug": (),
+    "LogError": (),
+    "LogInfo": (),
+    "LogWarning": (),
+    "OpaqueCoroutine": (),
+    "OpaqueFunction": (),
+    "PopEnvironment": (),
+    "PopLaunchConfigurations": (),
+    "PushEnvironment": (),
+    "PushLaunchConfigurations": (),
+    "RegisterEventHandler": ("event_handler",),
+    "ResetEnvironment": (),
+    "ResetLaunchConfigurations": ("launch_configurations",),
+    "SetEnvironmentVariable": ("name", "value"),
+    "SetLaunchConfiguration": ("name", "value"),
+    "Shutdown": (),
+    "TimerAction": (),
+    "UnregisterEventHandler": ("event_handler",),
+    "UnsetEnvironmentVariable": ("name",),
+    "UnsetLaunchConfiguration": ("name",),
+}
+_ROS_ACTIONS: Mapping[str, tuple[str, ...]] = {
+    "ComposableNodeContainer": (),
+    "LifecycleNode": (),
+    "LifecycleTransition": (),
+    "LoadComposableNodes": (),
+    "Node": (),
+    "PushROSNamespace": ("namespace",),
+    "PushRosNamespace": ("namespace",),
+    "RosTimer": (),
+    "SetParameter": ("name", "value"),
+    "SetParametersFromFile": ("filename",),
+    "SetROSLogDir": ("new_log_dir",),
+    "SetRemap": ("src", "dst"),
+    "SetUseSimTime": ("value",),
+}
+_SUBSTITUTIONS: Mapping[str, tuple[str, ...]] = {
+    "AllSubstitution": (),
+    "AndSubstitution": ("left", "right"),
+    "AnonName": ("name",),
+    "AnySubstitution": (),
+    "Command": ("command",),
+    "EnvironmentVariable": ("name",),
+    "EqualsSubstitution": ("left", "right"),
+    "FileContent": ("path",),
+    "FindExecutable": ("name",),
+    "IfElseSubstitution": ("condition", "if_value", "else_value"),
+    "LaunchConfiguration": ("variable_name",),
+    "LaunchLogDir": (),
+    "LocalSubstitution": ("expression",),
+    "NotEqualsSubstitution": ("left", "right"),
+    "NotSubstitution": ("value",),
+    "OrSubstitution": ("left", "right"),
+    "PathJoinSubstitution": ("substitutions",),
+    "PythonExpression": ("expression", "python_modules"),
+    "StringJoinSubstitution": ("substitutions", "delimiter"),
+    "TextSubstitution": (),
+    "ThisLaunchFile": (),
+    "ThisLaunchFileDir": (),
+}
+_ROS_SUBSTITUTIONS: Mapping[str, tuple[str, ...]] = {
+    "ExecutableInPackage": ("executable", "package"),
+    "FindPackage": ("package",),
+    "FindPackagePrefix": ("package",),
+    "FindPackageShare": ("package",),
+}
+_CONDITIONS: Mapping[str, tuple[str, ...]] = {
+    "IfCondition": ("predicate_expression",),
+    "LaunchConfigurationEquals": ("launch_configuration_name", "expected_value"),
+    "LaunchConfigurationNotEquals": ("launch_configuration_name", "expected_value"),
+    "UnlessCondition": ("predicate_expression",),
+}
+_HANDLERS: Mapping[str, tuple[str, ...]] = {
+    "OnExecutionComplete": (),
+    "OnIncludeLaunchDescription": (),
+    "OnProcessExit": (),
+    "OnProcessIO": (),
+    "OnProcessStart": (),
+    "OnShutdown": (),
+}
+_ROS_HANDLERS: Mapping[str, tuple[str, ...]] = {"OnStateTransition": ()}
+_SOURCES: Mapping[str, tuple[str, ...]] = {
+    f"{kind}LaunchDescriptionSource": ("location",)
+    for kind in ("Any", "Frontend", "Python", "XML", "YAML")
+}
+_DESCRIPTIONS: Mapping[str, tuple[str, ...]] = {
+    "ComposableLifecycleNode": (),
+    "ComposableNode": (),
+    "Parameter": ("name", "value"),
+    "ParameterFile": ("param_file",),
+    "ParameterValue": ("value",),
+}
+_NAV2: Mapping[str, tuple[str, ...]] = {
+    "HasNodeParams": ("source_file", "node_name"),
+    "LaunchConfigAsBool": ("name",),
+    "ReplaceString": ("source_file", "replacements", "condition"),
+    "RewrittenYaml": (
+        "source_file",
+        "param_rewrites",
+        "root_key",
+        "key_rewrites",
+        "value_rewrites",
+        "convert_types",
+    ),
+}
+_LAUNCH: Mapping[str, tuple[str, ...]] = {
+    "EventHandler": (),
+    "LaunchDescription": ("initial_entities",),
+}
+
+CLASSES: Mapping[str, tuple[str, ...]] = {
+    **_ACTIONS,
+    **_ROS_ACTIONS,
+    **_SUBSTITUTIONS,
+    **_ROS_SUBSTITUTIONS,
+    **_CONDITIONS,
+    **_HANDLERS,
+    **_ROS_HANDLERS,
+    **_SOURCES,
+    **_DESCRIPTIONS,
+    **_NAV2,
+    **_LAUNCH,
+    "Executable": (),
+    "ReadyToTest": (),
+}
+"""The classes, and the names of those parameters that may be given by their place."""
+
+MODULES: Mapping[str, tuple[str, ...]] = {
+    "launch": tuple(_LAUNCH),
+    "launch.launch_description": ("LaunchDescription",),
+    "launch.event_handler": ("EventHandler",),
+    "launch.actions": tuple(_ACTIONS),
+    "launch.substitutions": tuple(_SUBSTITUTIONS),
+    "launch.conditions": tuple(_CONDITIONS),
+    "launch.event_handlers": tuple(_HANDLERS),
+    "launch.descriptions": ("Executable",),
+    "launch.launch_description_sources": tuple(_SOURCES),
+    "launch_xml.launch_description_sources": ("XMLLaunchDescriptionSource",),
+    "launch_yaml.launch_description_sources": ("YAMLLaunchDescriptionSource",),
+    "launch_ros.actions": tuple(_ROS_ACTIONS),
+    "launch_ros.substitutions": tuple(_ROS_SUBSTITUTIONS),
+    "launch_ros.event_handlers": tuple(_ROS_HANDLERS),
+    "launch_ros.descriptions": tuple(_DESCRIPTIONS),
+    "launch_ros.parameter_descriptions": ("Parameter", "ParameterFile", "ParameterValue"),
+    "launch_testing.actions": ("ReadyToTest",),
+    "nav2_common.launch": tuple(_NAV2),
+}

@@ -1,0 +1,33 @@
+"""rclcpp and the C++ libraries of ROS 2 around it, as far as they join nodes."""
+
+from rtron.sources.code.interpreter.values import Native, NativeClass, Value
+from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT_FUNCTIONS
+from rtron.sources.code.natives.rclcpp_functions import FUNCTIONS
+from rtron.sources.code.natives.rclcpp_images import IMAGE_CLASSES, IMAGE_FUNCTIONS
+from rtron.sources.code.natives.rclcpp_libraries import LIBRARY_CLASSES
+from rtron.sources.code.natives.rclcpp_node import NODE_CLASSES
+from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_CLASSES
+from rtron.sources.code.natives.rclcpp_plugins import PLUGIN_CLASSES
+from rtron.sources.code.natives.rclcpp_qos import QOS_CLASSES, QOS_CONSTANTS, QOS_FUNCTIONS
+from rtron.sources.code.natives.rclcpp_trees import TREE_CLASSES, TREE_FUNCTIONS
+
+RCLCPP_CLASSES: dict[str, NativeClass] = {
+    **NODE_CLASSES,
+    **PARAMETER_CLASSES,
+    **QOS_CLASSES,
+    **LIBRARY_CLASSES,
+    **IMAGE_CLASSES,
+    **PLUGIN_CLASSES,
+    **TREE_CLASSES,
+}
+RCLCPP_FUNCTIONS = {
+    name: Native(name, call)
+    for name, call in {
+        **ENDPOINT_FUNCTIONS,
+        **IMAGE_FUNCTIONS,
+        **QOS_FUNCTIONS,
+        **FUNCTIONS,
+        **TREE_FUNCTIONS,
+    }.items()
+}
+RCLCPP_CONSTANTS: dict[str, Value] = dict(QOS_CONSTANTS)

@@ -1,0 +1,185 @@
+"""rclpy's nodes (docs.ros.org: rclpy.node)."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.values import (
+    FALSE,
+    NONE,
+    Foreign,
+    Hole,
+    Instance,
+    Known,
+    MessageType,
+    NativeClass,
+    Value,
+    options,
+    truth,
+)
+from rtron.sources.code.natives import ros2_endpoints
+from rtron.sources.code.natives.rclpy_parameters import PARAMETER_METHODS
+from rtron.sources.code.natives.rclpy_qos import quality
+from rtron.sources.code.natives.ros2_nodes import (
+    NAME,
+    SUB,
+    NodeWords,
+    base_at,
+    full_name,
+    name_of,
+    namespace_at,
+    node_among,
+    resolved,
+)
+from rtron.sources.code.natives.ros2_parameters import OVERRIDES
+from rtron.sources.declaration import DeclarationKind
+
+_UNKNOWN = Hole("?")
+_MODULE_PARTS = 3
+_PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
+
+
+def type_name(value: Value | None) -> str:
+    """Return a message, service or action class as the graph has it; empty where not known."""
+    for option in options(value):
+        if isinstance(option, MessageType):
+            return option.name
+        parts = option.name.split(".") if isinstance(option, Foreign) else []
+        if len(parts) == _MODULE_PARTS and parts[1] in {"msg", "srv", "action"}:
+            return "/".join(parts)
+    return ""
+
+
+def escape_all(machine: Machine, arguments: Arguments) -> None:
+    """Remember every function among the arguments."""
+    for value in (*arguments.values, *arguments.keywords.values()):
+        machine.escape(value)
+
+
+def initialise(
+    machine: Machine, owner: Instance, arguments: Arguments, *, lifecycle: bool = False
+) -> Value:
+    """`Node.__init__(name, *, namespace, cli_args, use_global_arguments, …)`."""
+    given = arguments.keywords
+    words = NodeWords(
+        name=arguments.get(0, "node_name") or Hole("node_name"),
+        namespace=_text(given.get("namespace")),
+        arguments=given.get("cli_args", NONE),
+        globally=truth(given.get("use_global_arguments", Known(value=True))) is not False,
+    )
+    automatic = given.get("automatically_declare_parameters_from_overrides", FALSE)
+    for field, value in (
+        (NAME, full_name(machine, words)),
+        (SUB, Known("")),
+        (OVERRIDES, given.get("parameter_overrides", NONE)),
+        ("node.automatic", automatic),
+    ):
+        machine.trail.set(owner.fields, field, value)
+
+    def asked(option: str) -> bool:
+        on = given.get("start_parameter_services", Known(value=True))
+        return option == "parameter_services" and truth(on) is not False
+
+    ros2_endpoints.join_app(machine, owner, words, arguments, asked)
+    if lifecycle:
+        ros2_endpoints.lifecycle(machine, owner, arguments)
+    return NONE
+
+
+def _text(value: Value | None) -> Value:
+    return Known("") if value is None or value == NONE else value
+
+
+def make_node(machine: Machine, arguments: Arguments) -> Instance:
+    """`Node("name")`, `rclpy.create_node("name")`."""
+    made = Instance(NODE)
+    initialise(machine, made, arguments)
+    return made
+
+
+def _make_lifecycle_node(machine: Machine, arguments: Arguments) -> Instance:
+    made = Instance(LIFECYCLE_NODE)
+    initialise(machine, made, arguments, lifecycle=True)
+    return made
+
+
+def declare(
+    kind: DeclarationKind, machine: Machine, node: Value | None, arguments: Arguments, at: int
+) -> Value:
+    """Record what is made of a type and a name, which are the arguments from `at` on."""
+    escape_all(machine, arguments)
+    type = type_name(arguments.get(at, _TYPES[kind]) or arguments.keywords.get("type"))
+    name = arguments.get(at + 1, _NAMES[kind])
+    owner = node_among((node,)) if node is not None else None
+    if owner is None:
+        ros2_endpoints.unknown_owner(machine, kind.value, name, arguments)
+        return Hole(kind.value)
+    qos = quality(kind, arguments, at)
+    full = ros2_endpoints.declare(machine, kind, owner, name, type, arguments, qos=qos)
+    return Instance(ENDPOINT, dict.fromkeys(("topic_name", "topic", "srv_name"), full))
+
+
+_TYPES = {
+    _PUBLISH: "msg_type",
+    _SUBSCRIBE: "msg_type",
+    DeclarationKind.SERVICE: "srv_type",
+    DeclarationKind.SERVICE_CLIENT: "srv_type",
+    DeclarationKind.ACTION_SERVER: "action_type",
+    DeclarationKind.ACTION_CLIENT: "action_type",
+}
+_NAMES = {
+    _PUBLISH: "topic",
+    _SUBSCRIBE: "topic",
+    DeclarationKind.SERVICE: "srv_name",
+    DeclarationKind.SERVICE_CLIENT: "srv_name",
+    DeclarationKind.ACTION_SERVER: "action_name",
+    DeclarationKind.ACTION_CLIENT: "action_name",
+}
+
+
+def _create(kind: DeclarationKind, machine: Machine, owner: Value, arguments: Arguments) -> Value:
+    return declare(kind, machine, owner, arguments, 0)
+
+
+def _callback(machine: Machine, _: Value, arguments: Arguments) -> Value:
+    escape_all(machine, arguments)
+    return Instance(ENDPOINT)
+
+
+def _resolve(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+    del machine
+    return resolved(owner, arguments.get(0, "topic") or arguments.get(0, "service"))
+
+
+_METHODS: Mapping[str, Callable[..., Value]] = {
+    **PARAMETER_METHODS,
+    "__init__": initialise,
+    **dict.fromkeys(("create_publisher", "create_lifecycle_publisher"), partial(_create, _PUBLISH)),
+    "create_subscription": partial(_create, _SUBSCRIBE),
+    "create_service": partial(_create, DeclarationKind.SERVICE),
+    "create_client": partial(_create, DeclarationKind.SERVICE_CLIENT),
+    **dict.fromkeys(("create_timer", "create_guard_condition", "create_task"), _callback),
+    **dict.fromkeys(("resolve_topic_name", "resolve_service_name"), _resolve),
+    "get_name": lambda machine, owner, arguments: base_at(owner),
+    "get_namespace": lambda machine, owner, arguments: namespace_at(owner),
+    "get_fully_qualified_name": lambda machine, owner, arguments: name_of(owner),
+}
+ENDPOINT = NativeClass(
+    "rclpy.endpoint",
+    methods=dict.fromkeys(
+        (
+            *("registerCallback", "add_done_callback", "send_goal_async", "call_async", "add"),
+            *("register_handle_accepted_callback", "register_execute_callback"),
+            "register_goal_callback",
+        ),
+        _callback,
+    ),
+)
+NODE = NativeClass("rclpy.node.Node", make_node, dict(_METHODS))
+LIFECYCLE_NODE = NativeClass(
+    "rclpy.lifecycle.LifecycleNode",
+    _make_lifecycle_node,
+    {**_METHODS, "__init__": partial(initialise, lifecycle=True)},
+    called=("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown"),
+)

@@ -1,0 +1,148 @@
+"""Parameters of ROS 2's nodes: declared with a default, overridden by a launch.
+
+rcl_yaml_param_parser: the keys of a parameter file are full names of nodes, in which `*` stands
+for one part and `**` for any number of them.
+"""
+
+import re
+from functools import lru_cache
+
+from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.values import (
+    NONE,
+    Choice,
+    Foreign,
+    Hole,
+    Instance,
+    Known,
+    ListValue,
+    Value,
+    join,
+    options,
+    spelled,
+)
+from rtron.sources.code.natives.names import value_of
+from rtron.sources.code.natives.ros2_nodes import NAME, name_of
+
+OVERRIDES = "node.overrides"
+_PARTS = {"/**": "(?:/[^/]+)*", "/*": "/[^/]+"}
+
+
+def declared(machine: Machine, node: Value, name: Value, default: Value | None) -> Value:
+    """Declare a parameter and return its value; one that is declared already has its own."""
+    values = [_declared(machine, node, option, default) for option in options(name)]
+    return join(values)
+
+
+def known(machine: Machine, node: Value, name: Value) -> Value | None:
+    """Return a parameter's value; None where it is certainly neither declared nor set."""
+    found = [_known(machine, node, option) for option in options(name)]
+    values = [value for value in found if value is not None]
+    return join(values) if values else None
+
+
+def is_declared(machine: Machine, node: Value, name: Value) -> bool | None:
+    """Tell whether a parameter was declared; None where that cannot be known."""
+    answers = {
+        _key(node, option) in machine.parameters if isinstance(option, Known) else None
+        for option in options(name)
+    }
+    return answers.pop() if len(answers) == 1 else None
+
+
+def written(machine: Machine, node: Value, name: Value, value: Value) -> None:
+    """Set a parameter."""
+    for option in options(name):
+        machine.trail.set(machine.parameters, _key(node, option), value)
+
+
+def setting(machine: Machine, node: Value, name: Value) -> Value | None:
+    """Return what a launch, or the node's own options, set; None where they certainly do not."""
+    if not isinstance(name, Known):
+        return Hole(short(machine, node, spelled(name)), tainted=True)
+    own = node.fields.get(OVERRIDES) if isinstance(node, Instance) else None
+    if isinstance(own, ListValue):
+        for item in reversed(own.items):
+            if isinstance(item, Instance) and item.fields.get("name") == name:
+                return item.fields.get("value", NONE)
+    full, found = spelled(name_of(node)), None
+    for one in machine.recorder.site.settings:
+        if one.name == name.value and _pattern(one.node).fullmatch(full):
+            found = one
+    return None if found is None else value_of(found.value, short(machine, node, found.name))
+
+
+def short(machine: Machine, node: Value, name: str) -> str:
+    """Return a parameter as a note spells it: `~topic` of the site's node, `/other/topic`."""
+    full = spelled(name_of(node))
+    own = machine.recorder.site.name == full or not machine.recorder.site.named
+    return f"~{name}" if own else f"{full}/{name}"
+
+
+def _declared(machine: Machine, node: Value, name: Value, default: Value | None) -> Value:
+    key = _key(node, name)
+    if key in machine.parameters:
+        return machine.parameters[key]
+    value = _overridden(machine, node, name, default)
+    machine.trail.set(machine.parameters, key, value)
+    return value
+
+
+def _overridden(machine: Machine, node: Value, name: Value, default: Value | None) -> Value:
+    found = setting(machine, node, name)
+    if found is not None and not isinstance(found, Hole):
+        return found
+    hole = Hole(short(machine, node, spelled(name)), tainted=True)
+    if default is None or is_kind(default):
+        return hole
+    marked = _marked(default)
+    if found is None and machine.recorder.site.complete:
+        return marked
+    return _with_one_more(marked, hole) or join((marked, hole))
+
+
+def _with_one_more(value: Value, hole: Hole) -> Value | None:
+    """Return a list with one item that stands for all others that a launch may give."""
+    if not isinstance(value, ListValue):
+        return None
+    more = Hole(f"{hole.why}[]", tainted=True)
+    return ListValue({**value.fields, "items": (*value.items, more)}, value.kind)
+
+
+def _known(machine: Machine, node: Value, name: Value) -> Value | None:
+    key = _key(node, name)
+    if key in machine.parameters:
+        return machine.parameters[key]
+    found = setting(machine, node, name)
+    if found is None and not machine.recorder.site.complete:
+        return Hole(short(machine, node, spelled(name)), tainted=True)
+    return found
+
+
+def is_kind(default: Value) -> bool:
+    """Tell whether what is declared is a type alone: `rclcpp::PARAMETER_STRING`."""
+    name = default.name if isinstance(default, Foreign) else ""
+    name = default.why if isinstance(default, Hole) else name
+    return "PARAMETER_" in name or "Parameter.Type" in name or "get_type" in name
+
+
+def _marked(value: Value) -> Value:
+    """Return a default marked as a parameter's value, which the launch may change."""
+    if isinstance(value, Known):
+        return Known(value.value, tainted=True)
+    if isinstance(value, ListValue):
+        items = tuple(_marked(item) for item in value.items)
+        return ListValue({**value.fields, "items": items}, value.kind)
+    return join(map(_marked, value.options)) if isinstance(value, Choice) else value
+
+
+def _key(node: Value, name: Value) -> str:
+    full = node.fields.get(NAME) if isinstance(node, Instance) else None
+    return f"{spelled(full) if full is not None else ''} {spelled(name)}"
+
+
+@lru_cache(maxsize=4096)
+def _pattern(key: str) -> re.Pattern[str]:
+    whole = key if key.startswith("/") else f"/{key}"
+    pieces = re.split(r"(/\*\*|/\*)(?=/|$)", whole)
+    return re.compile("".join(_PARTS.get(piece, re.escape(piece)) for piece in pieces))

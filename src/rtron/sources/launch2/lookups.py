@@ -1,0 +1,54 @@
+"""What substitutions look up outside of the launch: packages and programs (ament)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.folders import is_there
+from rtron.sources.launch.unresolvable import UnresolvableError
+from rtron.sources.launch2.functions import Function, closed, given
+from rtron.sources.launch2.pieces import shown
+
+
+@dataclass(frozen=True, slots=True)
+class Lookups:
+    """Finds packages in a workspace, then below AMENT_PREFIX_PATH.
+
+    Where the source is read (`symbolic`), what a build installs elsewhere is not known.
+    """
+
+    environ: Mapping[str, str]
+    packages: Mapping[str, Path]
+    symbolic: bool
+
+    def functions(self) -> Mapping[str, Function]:
+        """Return the substitutions by their names."""
+        return {
+            "find-pkg-share": self._share,
+            "find-pkg-prefix": self._prefix,
+            "exec-in-pkg": self._executable,
+            "find-exec": lambda words: given(words, 1, 1)[0],
+            "command": self._command,
+        }
+
+    def _share(self, words: list[str]) -> str:
+        name = closed("".join(words[:1]))
+        if name in self.packages:
+            return str(self.packages[name])
+        for prefix in filter(None, self.environ.get("AMENT_PREFIX_PATH", "").split(":")):
+            share = Path(prefix) / "share" / name
+            if is_there(share) and share.is_dir():
+                return str(share)
+        raise UnresolvableError(f"package '{name}' is not here")
+
+    def _prefix(self, words: list[str]) -> str:
+        if self.symbolic and "".join(words[:1]) in self.packages:
+            raise UnresolvableError(f"where '{words[0]}' is installed is not known before a build")
+        return str(Path(self._share(words)).parents[1])
+
+    def _executable(self, words: list[str]) -> str:
+        executable, package = given(words, 2, 2)
+        return f"{self._prefix([package])}/lib/{package}/{executable}"
+
+    def _command(self, words: list[str]) -> str:
+        raise UnresolvableError(f"$(command {shown(words[0])[:80]}) is not run")

@@ -1,0 +1,71 @@
+"""What an InteractionGraph is made of, gathered; what is found twice is there once."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+from rtron.vocabulary import (
+    Action,
+    Direction,
+    Endpoint,
+    InteractionGraph,
+    Node,
+    Service,
+    Topic,
+    Unresolved,
+)
+
+
+@dataclass(slots=True, kw_only=True)
+class GraphParts:
+    """A graph in the making; an endpoint that is declared twice has all its evidence."""
+
+    ros: int = 1
+    nodes: dict[str, Node] = field(default_factory=dict)
+    endpoints: dict[tuple[str, str, Direction, str], Endpoint] = field(default_factory=dict)
+    services: dict[Service, None] = field(default_factory=dict)
+    actions: dict[Action, None] = field(default_factory=dict)
+    unresolved: dict[Unresolved, None] = field(default_factory=dict)
+
+    def put(self, found: Endpoint | Service | Action) -> None:
+        """Add what a node has."""
+        if isinstance(found, Service):
+            self.services[found] = None
+        elif isinstance(found, Action):
+            self.actions[found] = None
+        else:
+            self._add_endpoint(found)
+
+    def note(self, *notes: Unresolved) -> None:
+        """Add what could not be found out."""
+        self.unresolved.update(dict.fromkeys(notes))
+
+    def graph(self, app: str) -> InteractionGraph:
+        """Return the graph of all that was added."""
+        endpoints = tuple(self.endpoints.values())
+        return InteractionGraph(
+            app=app,
+            ros=self.ros,
+            nodes=tuple(self.nodes.values()),
+            topics=tuple(_topics(endpoints)),
+            endpoints=endpoints,
+            services=tuple(self.services),
+            actions=tuple(self.actions),
+            unresolved=tuple(self.unresolved),
+        )
+
+    def _add_endpoint(self, endpoint: Endpoint) -> None:
+        key = (endpoint.node, endpoint.topic, endpoint.direction, endpoint.type)
+        first = self.endpoints.get(key)
+        if first is not None:
+            evidence = tuple(dict.fromkeys((*first.evidence, *endpoint.evidence)))
+            implicit = first.implicit and endpoint.implicit
+            endpoint = replace(first, evidence=evidence, implicit=implicit)
+        self.endpoints[key] = endpoint
+
+
+def _topics(endpoints: Iterable[Endpoint]) -> Iterator[Topic]:
+    types: dict[str, dict[str, None]] = {}
+    for endpoint in endpoints:
+        types.setdefault(endpoint.topic, {})[endpoint.type] = None
+    for name, found in types.items():
+        yield Topic(name=name, types=tuple(filter(None, found)))

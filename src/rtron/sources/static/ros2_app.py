@@ -1,0 +1,77 @@
+"""From folders and launch files of ROS 2 to the interaction graph of the app that they start."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import closing
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.launch2.app import read_app_launch
+from rtron.sources.launch2.result import AppLaunch
+from rtron.sources.static.cache import open_cache
+from rtron.sources.static.interpreting import Interpreting
+from rtron.sources.static.launched import Launch
+from rtron.sources.static.options import ScanOptions
+from rtron.sources.static.pool import Pool
+from rtron.sources.static.ros2_assembly import Ros2Assembly
+from rtron.sources.static.ros2_known import with_known
+from rtron.sources.static.ros2_scan import ros2_workspace
+from rtron.sources.static.ros2_started import StartedNodes
+from rtron.sources.static.structure import workspace_state
+from rtron.sources.static.worker import deep_recursion
+from rtron.vocabulary import InteractionGraph
+
+
+def scan_ros2_app(
+    folders: Iterable[Path],
+    launches: Sequence[Launch],
+    environ: Mapping[str, str],
+    options: ScanOptions | None = None,
+) -> InteractionGraph:
+    """Return the interaction graph of the app that launch files start, nothing is run.
+
+    Raise InputError if a given launch file cannot be read, or an argument is missing that it needs;
+    what is wrong elsewhere stands in the graph's `unresolved`.
+    """
+    chosen, workspace = options or ScanOptions(), ros2_workspace(folders)
+    files = WorkspaceFiles(workspace)
+    read = _read(launches, environ, files)
+    started = StartedNodes(workspace=workspace, environ=environ)
+    nodes = list(started.nodes([start for launch in read for start in launch.starts]))
+    state = workspace_state(workspace) if chosen.cache else ""
+    interpreting = Interpreting(
+        workspace=workspace,
+        cache=open_cache(chosen.cache, state),
+        pool=Pool(workspace, chosen.workers, chosen.seconds),
+        progress=chosen.progress,
+    )
+    assembly = Ros2Assembly(workspace=workspace)
+    with closing(interpreting):
+        for part in interpreting.parts(nodes):
+            assembly.add(with_known(part, files))
+    assembly.note(*(note for launch in read for note in launch.unresolved))
+    assembly.note(*started.notes.unresolved)
+    return assembly.graph(Path(read[0].file).name.split(".")[0] if read else "")
+
+
+def _read(
+    launches: Sequence[Launch], environ: Mapping[str, str], files: WorkspaceFiles
+) -> list[AppLaunch]:
+    with deep_recursion():
+        found = [read_app_launch(path, given, environ, files) for path, given in launches]
+    for launch, (_, given) in zip(found, launches, strict=True):
+        _check(launch, given)
+    return found
+
+
+def _check(launch: AppLaunch, given: Mapping[str, str]) -> None:
+    """Raise InputError for a launch file that tells nothing, or lacks an argument."""
+    if launch.unresolved and not (launch.starts or launch.includes or launch.arguments):
+        first = launch.unresolved[0]
+        line = first.evidence[0].line if first.evidence else 0
+        raise InputError(first.why, path=launch.file, line=line)
+    for argument in launch.arguments:
+        if argument.default is None and argument.name not in given:
+            place, help = argument.evidence, f"add {argument.name}:=VALUE"
+            message = f"argument '{argument.name}' is not given"
+            raise InputError(message, path=place.file, line=place.line, help=help)

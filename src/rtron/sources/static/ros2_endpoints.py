@@ -1,0 +1,70 @@
+"""From what a node of ROS 2 declares to the graph: remap rules, services, actions as units."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from rtron.sources.declaration import Declaration, DeclarationKind
+from rtron.vocabulary import (
+    Action,
+    ActionEnd,
+    ActionRole,
+    Direction,
+    Endpoint,
+    Resolution,
+    Service,
+)
+from rtron.vocabulary.remap_rules import Rule, remaps_at
+
+_DIRECTIONS = {
+    DeclarationKind.PUBLISH: Direction.PUBLISH,
+    DeclarationKind.SUBSCRIBE: Direction.SUBSCRIBE,
+}
+_ROLES = {
+    DeclarationKind.ACTION_CLIENT: ActionRole.CLIENT,
+    DeclarationKind.ACTION_SERVER: ActionRole.SERVER,
+}
+_GOALS = f"/_action/{ActionEnd.SEND_GOAL.value}"
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """The remap rules of a node: the first for a name counts, and is not applied twice (rcl)."""
+
+    rules: tuple[Rule, ...]
+    node: str
+
+    def __call__(self, name: str) -> str:
+        """Return the name that a declared name stands for."""
+        fitting = (r.target for r in remaps_at(self.rules, self.node) if r.declared == name)
+        return next(fitting, name)
+
+
+def joined(
+    node: str, declarations: Iterable[Declaration], rules: Rules
+) -> Iterator[Endpoint | Service | Action]:
+    """Yield what the graph has of a node's declarations; clients of services are not in it."""
+    for declared in declarations:
+        if declared.kind in _DIRECTIONS:
+            yield _endpoint(node, declared, rules)
+        elif declared.kind is DeclarationKind.SERVICE:
+            name, implicit = rules(declared.name), declared.implicit
+            yield Service(node=node, name=name, type=declared.type, implicit=implicit)
+        elif declared.kind in _ROLES:
+            name = rules(declared.name + _GOALS).removesuffix(_GOALS)
+            role = _ROLES[declared.kind]
+            yield Action(node=node, name=name, type=declared.type, role=role)
+
+
+def _endpoint(node: str, declared: Declaration, rules: Rules) -> Endpoint:
+    topic = rules(declared.name)
+    return Endpoint(
+        node=node,
+        topic=topic,
+        direction=_DIRECTIONS[declared.kind],
+        type=declared.type,
+        declared_name=declared.name,
+        implicit=declared.implicit,
+        resolution=Resolution.SYMBOLIC if "{" in topic else declared.resolution,
+        qos=declared.qos,
+        evidence=declared.evidence,
+    )

@@ -1,0 +1,82 @@
+"""Nodes of ROS 2 that are known without their source: containers, and the bridge to Gazebo."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from rtron.sources.code.natives.ros2_endpoints import PARAMETER_SERVICES
+from rtron.sources.code.natives.ros2_qos import PROFILES
+from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
+from rtron.sources.static.part import Part
+from rtron.sources.static.ros2_bridge import bridge
+from rtron.sources.static.ros2_given import given_value
+
+_CONTAINERS, _BRIDGE = "rclcpp_components", ("ros_gz_bridge", "parameter_bridge")
+_PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
+_TOPICS = (
+    (_PUBLISH, "rosout", "rcl_interfaces/msg/Log"),
+    (_PUBLISH, "parameter_events", "rcl_interfaces/msg/ParameterEvent"),
+    (_SUBSCRIBE, "parameter_events", "rcl_interfaces/msg/ParameterEvent"),
+)
+_CLOCK = (_SUBSCRIBE, "clock", "rosgraph_msgs/msg/Clock")
+_DESCRIPTION = "type_description_interfaces/srv/GetTypeDescription"
+_EVERY = {**PARAMETER_SERVICES, "get_type_description": _DESCRIPTION}
+_LOADING = {
+    "_container/load_node": "composition_interfaces/srv/LoadNode",
+    "_container/unload_node": "composition_interfaces/srv/UnloadNode",
+    "_container/list_nodes": "composition_interfaces/srv/ListNodes",
+}
+"""docs.ros.org: "Composing multiple nodes in a single process"."""
+
+
+def with_known(part: Part, files: WorkspaceFiles) -> Part:
+    """Return the part of a node that is known, with what it declares; another one as it is."""
+    node = part.node
+    if node.package == _CONTAINERS and not node.container:
+        services = _services(part, node.name, {**_EVERY, **_LOADING})
+        interface = NodeInterface(declarations=(*_topics(part, node.name), *services))
+        return replace(part, interface=interface)
+    if part.task is None and (node.package, node.type) == _BRIDGE:
+        return replace(part, interface=_bridge(part, files))
+    return part
+
+
+def _bridge(part: Part, files: WorkspaceFiles) -> NodeInterface:
+    """Return what the bridge declares; it calls itself like its package."""
+    site = part.node.site
+    space = site.name.rpartition("/")[0]
+    name = site.name if site.named else f"{space}/{_BRIDGE[0]}"
+    own = bridge(replace(site, name=name), part.node.evidence, files)
+    implied = (*_topics(part, name), *_services(part, name, _EVERY))
+    return replace(own, declarations=(*own.declarations, *implied))
+
+
+def _topics(part: Part, name: str) -> Iterator[Declaration]:
+    """Yield the topics that every node of rclcpp joins."""
+    clock = (_CLOCK,) if _is_simulated(part.node.site, name) else ()
+    for kind, topic, type in (*_TOPICS, *clock):
+        yield Declaration(
+            kind=kind,
+            name=f"/{topic}",
+            type=type,
+            node=name,
+            qos=PROFILES[topic],
+            implicit=True,
+            evidence=(part.node.evidence,),
+        )
+
+
+def _services(part: Part, name: str, types: dict[str, str]) -> Iterator[Declaration]:
+    for service, type in types.items():
+        yield Declaration(
+            kind=DeclarationKind.SERVICE,
+            name=f"{name}/{service}",
+            type=type,
+            node=name,
+            implicit=True,
+            evidence=(part.node.evidence,),
+        )
+
+
+def _is_simulated(site: NodeSite, name: str) -> bool:
+    return given_value(site, name, "use_sim_time") is True

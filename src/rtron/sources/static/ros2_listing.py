@@ -1,0 +1,80 @@
+"""The launch files of ROS 2 below folders, and the arguments that each declares by itself."""
+
+import ast
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TypeAlias
+
+from rtron.errors import InputError
+from rtron.sources.bounded import read_bounded
+from rtron.sources.code.python.decoding import decode
+from rtron.sources.code.python.parsing import parse
+from rtron.sources.code.python.unit import MAX_BYTES
+from rtron.sources.launch.listing import ListedLaunch
+from rtron.sources.launch.packages import package_name
+from rtron.sources.launch2.element import parse_elements
+from rtron.sources.launch2.listing import launch_files2
+from rtron.sources.static.generation import generation_of
+from rtron.sources.static.worker import deep_recursion
+
+_DECLARES = "DeclareLaunchArgument"
+_Declared: TypeAlias = tuple[str, bool]
+"""An argument, and whether it has a default."""
+
+
+def ros2_launches(folders: Iterable[Path]) -> Iterator[ListedLaunch]:
+    """Yield the launch files of ROS 2 below folders, by path; what they include is not read."""
+    tops, packages = {folder.absolute() for folder in folders}, dict[Path, str]()
+    for path in launch_files2(tops):
+        if generation_of(path) > 1:
+            yield _listed(path, _package(path.parent, tops, packages))
+
+
+def _listed(path: Path, package: str) -> ListedLaunch:
+    try:
+        with deep_recursion():
+            declared = list(_of_python(path) if path.suffix == ".py" else _of_elements(path))
+    except InputError as error:
+        return ListedLaunch(path=path, package=package, fault=str(error))
+    except RecursionError:
+        return ListedLaunch(path=path, package=package, fault=f"{path}: nested too deep")
+    optional = {name for name, has_default in declared if has_default}
+    names = dict.fromkeys(name for name, _ in declared)
+    return ListedLaunch(
+        path=path,
+        package=package,
+        required=tuple(name for name in names if name not in optional),
+        optional=tuple(name for name in names if name in optional),
+    )
+
+
+def _of_elements(path: Path) -> Iterator[_Declared]:
+    for argument in parse_elements(str(path)).named("arg"):
+        if "value" not in argument.attributes:
+            yield argument.plain("name"), "default" in argument.attributes
+
+
+def _of_python(path: Path) -> Iterator[_Declared]:
+    """Yield the arguments whose names are written out where they are declared."""
+    tree, _ = parse(decode(read_bounded(path, MAX_BYTES))[0])
+    for call in ast.walk(tree):
+        if isinstance(call, ast.Call) and _name(call.func) == _DECLARES:
+            given = {word.arg: word.value for word in call.keywords}
+            name = given.get("name") or next(iter(call.args), None)
+            default = given.get("default_value")
+            if isinstance(name, ast.Constant):
+                no_default = isinstance(default, ast.Constant) and default.value is None
+                yield str(name.value), default is not None and not no_default
+
+
+def _name(called: ast.expr) -> str:
+    return getattr(called, "attr", getattr(called, "id", ""))
+
+
+def _package(folder: Path, tops: Iterable[Path], known: dict[Path, str]) -> str:
+    """Return the package that a folder lies in, empty for none: packages do not nest."""
+    if folder not in known:
+        outer = "" if folder in tops else _package(folder.parent, tops, known)
+        is_package = not outer and (folder / "package.xml").is_file()
+        known[folder] = package_name(folder) if is_package else outer
+    return known[folder]

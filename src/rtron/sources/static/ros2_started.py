@@ -1,0 +1,120 @@
+"""What a launch of ROS 2 starts, as the nodes that are to be interpreted.
+
+docs.ros.org: launch_ros, "Composing multiple nodes in a single process"; rcl: arguments.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtron.sources.declaration import NodeSite, ParameterSetting
+from rtron.sources.launch2.parameters import ParameterSource
+from rtron.sources.launch2.result import Start, StartKind
+from rtron.sources.static.node import AppNode
+from rtron.sources.static.notes import Notes
+from rtron.sources.workspace import Language, Workspace
+from rtron.vocabulary.launch import canonical_name
+from rtron.vocabulary.remap_rules import UNKNOWN
+
+_WILD = "*"
+
+
+@dataclass(slots=True, kw_only=True)
+class StartedNodes:
+    """Makes the nodes of what launch files start; `environ` is that of the launch."""
+
+    workspace: Workspace
+    environ: Mapping[str, str]
+    notes: Notes = field(default_factory=Notes)
+
+    def nodes(self, starts: Sequence[Start]) -> Iterator[AppNode]:
+        """Yield nodes and components; a process that is no node is noted."""
+        hosts = {s.full_name: s for s in starts if s.kind is not StartKind.COMPONENT and s.name}
+        for start in starts:
+            if start.kind is StartKind.PROCESS:
+                what = f"process {' '.join(start.arguments[:2])}"
+                self.notes.add(what, "what it runs is not looked into", start.evidence)
+            elif start.kind is StartKind.COMPONENT:
+                yield self._component(start, hosts.get(start.container))
+            else:
+                yield self._node(start)
+
+    def _node(self, start: Start) -> AppNode:
+        program = self.workspace.executable(start.package, start.program)
+        python = program is not None and program.language is Language.PYTHON
+        site = NodeSite(
+            name=_name(start, Path(start.program).stem),
+            ros=2,
+            args=start.arguments,
+            named=bool(start.name),
+            placed=start.namespace != "/",
+            complete=start.complete,
+            environ=self._environ(start),
+            settings=tuple(_settings(start.sources, exact_last=python)),
+        )
+        return _app_node(start, site, start)
+
+    def _component(self, start: Start, host: Start | None) -> AppNode:
+        """Return a component: its process's arguments are those of the container."""
+        if host is None:
+            what, why = f"component {start.full_name}", "no launch file that is read starts it"
+            self.notes.add(what, f"its container is {start.container}: {why}", start.evidence)
+        site = NodeSite(
+            name=_name(start, start.program.rpartition("::")[2]),
+            ros=2,
+            args=tuple(_words(start)),
+            named=False,
+            placed=False,
+            complete=start.complete and host is not None and host.complete,
+            environ=self._environ(host or start),
+            settings=tuple(_settings(host.sources)) if host else (),
+            overrides=tuple((name, one.value) for name, one in start.parameters().items()),
+        )
+        return _app_node(start, site, host)
+
+    def _environ(self, start: Start) -> tuple[tuple[str, str], ...]:
+        return tuple({**self.environ, **dict(start.environ)}.items())
+
+
+def _name(start: Start, program: str) -> str:
+    """Return a node's full name; one that names itself is mostly called like its program."""
+    return start.full_name if start.name else canonical_name(f"{start.namespace}/{program}")
+
+
+def _words(start: Start) -> Iterator[str]:
+    """Yield the arguments in the options of a component (rclcpp_components: ComponentManager)."""
+    own = [("__node", start.name)] if start.name and start.name != UNKNOWN else []
+    own += [("__ns", start.namespace)] if start.namespace != "/" else []
+    yield "--ros-args"
+    for name, target in (*own, *start.remaps):
+        yield from ("-r", f"{name}:={target}")
+
+
+def _settings(
+    sources: Iterable[ParameterSource], *, exact_last: bool = False
+) -> Iterator[ParameterSetting]:
+    """Yield what is set, the last that fits counts: as rclcpp has it, by each pattern's place.
+
+    In rclpy a node's own name counts before wildcards (`exact_last`).
+    """
+    gathered: dict[str, dict[str, ParameterSetting]] = {}
+    for source in sources:
+        for node, values in source.entries:
+            of_node = gathered.setdefault(node if node.startswith("/") else f"/{node}", {})
+            for name, found in values.items():
+                of_node[name] = ParameterSetting(node=node, name=name, value=found.value)
+    patterns = sorted(gathered, key=lambda node: exact_last and _WILD not in node)
+    for pattern in patterns:
+        yield from gathered[pattern].values()
+
+
+def _app_node(start: Start, site: NodeSite, process: Start | None) -> AppNode:
+    return AppNode(
+        site=site,
+        package=start.package,
+        type=start.program,
+        evidence=start.evidence,
+        container=start.container,
+        rules=process.remaps if process else (),
+        doubtful=start.doubtful,
+    )

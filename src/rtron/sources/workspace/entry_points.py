@@ -1,0 +1,54 @@
+"""The programs of an ament_python package: the entry points in its setup.py or setup.cfg.
+
+setuptools' "Entry Points": `name = module:function` below `console_scripts`. Nothing is run.
+"""
+
+import ast
+import configparser
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.bounded import read_bounded
+
+MAX_BYTES = 1024 * 1024
+
+_ENTRY = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+)\s*:\s*(\w+)")
+_SCRIPTS = "console_scripts"
+
+
+def entry_points(package: Path) -> Mapping[str, tuple[str, str]]:
+    """Return each program's module and function, by the program's name."""
+    found = (*_of_setup(package / "setup.py"), *_of_config(package / "setup.cfg"))
+    matched = (_ENTRY.match(text) for text in found)
+    return {match[1]: (match[2], match[3]) for match in matched if match}
+
+
+def _of_setup(path: Path) -> Iterator[str]:
+    try:
+        tree = ast.parse(read_bounded(path, MAX_BYTES) if path.is_file() else b"")
+    except (InputError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Dict):
+            for key, value in zip(node.keys, node.values, strict=True):
+                if isinstance(key, ast.Constant) and key.value == _SCRIPTS:
+                    yield from _texts(value)
+
+
+def _texts(node: ast.expr) -> Iterator[str]:
+    for inner in ast.walk(node):
+        if isinstance(inner, ast.Constant) and isinstance(inner.value, str):
+            yield inner.value
+        elif isinstance(inner, ast.JoinedStr):
+            yield "".join(str(v.value) for v in inner.values if isinstance(v, ast.Constant))
+
+
+def _of_config(path: Path) -> list[str]:
+    reader = configparser.ConfigParser(interpolation=None)
+    try:
+        reader.read_string(read_bounded(path, MAX_BYTES).decode("utf-8", "replace"))
+    except (InputError, configparser.Error):
+        return []
+    return reader.get("options.entry_points", _SCRIPTS, fallback="").splitlines()

@@ -1,0 +1,75 @@
+"""`rtron scan` and `rtron plan` of an app of ROS 2 in source."""
+
+import json
+
+import pytest
+from ros2_robot import write_robot
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+        monkeypatch.delenv(name, raising=False)
+    return write_robot(tmp_path / "src")
+
+
+def test_a_folder_alone_lists_launch_files_of_each_format(rtron, folder):
+    ran = rtron("scan", folder)
+    assert (ran.code, ran.err) == (0, "")
+    assert "4 launch files" in ran.out
+    assert "parts/more.launch.xml    kind:=…" in ran.out
+    assert "parts/robot.launch.py    [out:=…]" in ran.out
+    assert "parts/robot.launch.yaml  [out:=…]" in ran.out
+    assert "parts/robot.launch.xml   [out:=…]" in ran.out
+
+
+def test_a_folder_may_have_launch_files_of_both_generations(rtron, folder):
+    (folder / "old").mkdir()
+    (folder / "old" / "package.xml").write_text("<package><name>old</name></package>")
+    old = '<launch><arg name="a"/><node pkg="old" type="t" name="n"/></launch>'
+    (folder / "old" / "old.launch.xml").write_text(old)
+    listed = json.loads(rtron("scan", folder, "--format", "json").out)["launches"]
+    assert {one["launch"]: one["required"] for one in listed}["old/old.launch.xml"] == ["a"]
+    assert len(listed) == 5
+    both = ("--launch", "old/old.launch.xml", "--launch", "parts/robot.launch.py")
+    ran = rtron("scan", folder, *both)
+    assert ran.code == 2
+    assert "old.launch.xml is of ROS 1 and robot.launch.py of ROS 2" in ran.err
+    assert "help: scan the two apps apart" in ran.err
+
+
+def test_a_package_in_a_package_is_a_part_of_it(rtron, folder):
+    inner = folder / "keys" / "tests" / "inner"
+    (inner / "launch").mkdir(parents=True)
+    (inner / "package.xml").write_text("<package><name>inner</name></package>")
+    text = '<launch><arg name="a"/><let name="b" value=""/></launch>'
+    (inner / "launch" / "in.launch.xml").write_text(text)
+    assert "keys/in.launch.xml" in rtron("scan", folder).out
+    ran = rtron("scan", folder, "--launch", "keys/in.launch.xml", "a:=1", "--fail-on", "never")
+    assert (ran.code, ran.err) == (0, "")
+
+
+def test_a_scan_is_of_ros_2_and_takes_arguments(rtron, folder):
+    app = ("--launch", "parts/robot.launch.py", "out:=/drive", "-j", "1")
+    ran = rtron("scan", folder, *app, "--format", "graph", "--fail-on", "never")
+    graph = json.loads(ran.out)
+    assert (ran.code, graph["ros"]) == (0, 2)
+    published = {(e["node"], e["topic"]) for e in graph["endpoints"] if e["direction"] == "publish"}
+    assert {("/robot/smooth", "/drive"), ("/robot/pad", "/robot/cmd_vel_nav")} <= published
+
+
+def test_a_plan_follows(rtron, folder, tmp_path):
+    plan = tmp_path / "rtron.yaml"
+    app = ("--launch", "parts/robot.launch.py", "-j", "1")
+    assert rtron("plan", folder, *app, "-o", plan).code == 0
+    assert "ros: 2" in plan.read_text()
+
+
+def test_what_is_missing_is_said_with_what_to_do(rtron, folder):
+    ran = rtron("scan", folder, "--launch", "parts/more.launch.xml")
+    assert ran.code == 2
+    assert "argument 'kind' is not given" in ran.err
+    assert "help: add kind:=VALUE" in ran.err
+    ran = rtron("scan", folder, "--launch", "parts/robt.launch.py")
+    assert (ran.code, "did you mean parts/robot.launch.py" in ran.err) == (2, True)

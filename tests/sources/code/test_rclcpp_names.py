@@ -1,0 +1,131 @@
+"""Names of rclcpp's nodes and of what they declare (docs.ros.org: names, namespaces)."""
+
+import pytest
+from ros2_runs import UNLAUNCHED, cpp, names, run_text, written
+
+ALL = """
+create_publisher<std_msgs::msg::Bool>("rel", 1);
+create_publisher<std_msgs::msg::Bool>("~/private", 1);
+create_publisher<std_msgs::msg::Bool>("/absolute", 1);
+"""
+
+
+def test_names_resolve_at_the_node_that_the_launch_names():
+    assert names(cpp(ALL)) == ["/ns/rel", "/ns/n/private", "/absolute"]
+
+
+def test_without_a_launch_the_source_names_the_node():
+    found = cpp(ALL, **UNLAUNCHED)
+    assert names(found) == ["/rel", "/written/private", "/absolute"]
+    assert [node.name for node in found.nodes] == ["/written"]
+
+
+def test_a_namespace_of_the_launch_counts_beside_the_name_of_the_source():
+    found = cpp(ALL, name="/robot/exe", named=False)
+    assert names(found) == ["/robot/rel", "/robot/written/private", "/absolute"]
+
+
+@pytest.mark.parametrize(
+    ("expression", "expected"),
+    [
+        ("std::string(get_name())", "/ns/n"),
+        ('std::string(get_namespace()) + "/x"', "/ns/x"),
+        ("get_fully_qualified_name()", "/ns/n"),
+        ('std::string(get_name()) + "/" + "x"', "/ns/n/x"),
+        ('std::string("{node}/x")', "/ns/n/x"),
+    ],
+)
+def test_a_nodes_own_names_are_known(expression, expected):
+    assert names(cpp(f"create_publisher<std_msgs::msg::Bool>({expression}, 1);")) == [expected]
+
+
+def test_a_sub_node_adds_to_relative_names_alone():
+    body = """
+    auto sub = create_sub_node("left");
+    auto deeper = sub->create_sub_node("arm");
+    deeper->create_publisher<std_msgs::msg::Bool>("rel", 1);
+    sub->create_publisher<std_msgs::msg::Bool>("/absolute", 1);
+    sub->create_publisher<std_msgs::msg::Bool>("~/private", 1);
+    create_publisher<std_msgs::msg::Bool>(sub->get_sub_namespace() + "/said", 1);
+    """
+    expected = ["/ns/left/arm/rel", "/absolute", "/ns/n/private", "/ns/left/said"]
+    assert names(cpp(body)) == expected
+
+
+OPTIONS = """
+auto options = rclcpp::NodeOptions().arguments({
+  "--ros-args", "-r", std::string("__ns:=/") + get_name(), "-r", "__node:=second",
+  "-r", "scan:=scan_filtered", "-p", "use_sim_time:=true"});
+auto second = std::make_shared<rclcpp::Node>("any", options);
+second->create_publisher<std_msgs::msg::Bool>("rel", 1);
+"""
+
+
+def test_a_nodes_own_arguments_count_before_the_launchs():
+    found = cpp(OPTIONS)
+    assert names(found) == ["/n/rel"]
+    assert [node.name for node in found.nodes] == ["/ns/n", "/n/second"]
+    assert found.nodes[1].remaps == (("scan", "scan_filtered"),)
+    assert {d.node for d in found.declarations if d.name == "/clock"} == {"/n/second"}
+
+
+def test_a_node_that_takes_no_global_arguments_keeps_its_name():
+    body = """
+    auto options = rclcpp::NodeOptions().use_global_arguments(false);
+    auto own = std::make_shared<rclcpp::Node>("own", "there", options);
+    own->create_publisher<std_msgs::msg::Bool>("rel", 1);
+    """
+    found = cpp(body)
+    assert names(found) == ["/there/rel"]
+    assert [node.globally for node in found.nodes] == [True, False]
+
+
+COMPONENT = """#include <rclcpp_components/register_node_macro.hpp>
+namespace app {
+class Driver : public rclcpp::Node {
+public:
+  explicit Driver(const rclcpp::NodeOptions & options) : Node("driver", options) {
+    create_subscription<sensor_msgs::msg::Joy>(
+      "joy", rclcpp::SensorDataQoS(), [this](sensor_msgs::msg::Joy::ConstSharedPtr) {});
+  }
+};
+}
+RCLCPP_COMPONENTS_REGISTER_NODE(app::Driver)
+"""
+
+
+def test_a_component_is_made_with_the_options_of_its_container():
+    found = run_text(COMPONENT, cls="app::Driver", name="/cell/one")
+    assert written(found) == ["subscribe /cell/joy sensor_msgs/msg/Joy"]
+
+
+def test_a_component_that_is_not_there_is_noted():
+    notes = run_text(COMPONENT, cls="app::Gone").unresolved
+    assert "component app::Gone" in [note.what for note in notes]
+
+
+def test_a_base_class_hands_its_constructor_on():
+    top = "class Base : public rclcpp::Node { public: using rclcpp::Node::Node; };"
+    text = (
+        top
+        + """
+    class Mine : public Base { public: Mine() : Base("mine", "far") {
+      create_publisher<std_msgs::msg::Bool>("rel", 1); } };
+    int main() { rclcpp::spin(std::make_shared<Mine>()); }
+    """
+    )
+    assert names(run_text(text, **UNLAUNCHED)) == ["/far/rel"]
+
+
+def test_a_constructor_that_names_its_own_class_in_full_delegates():
+    text = """
+    namespace lib { class Node : public rclcpp::Node {
+    public:
+      Node(const std::string & name, const std::string & ns) : rclcpp::Node(name, ns) {}
+      explicit Node(const std::string & name) : lib::Node(name, "deep") {}
+    }; }
+    class Mine : public lib::Node { public: Mine() : lib::Node("mine") {
+      create_publisher<std_msgs::msg::Bool>("~/rel", 1); } };
+    int main() { rclcpp::spin(std::make_shared<Mine>()); }
+    """
+    assert names(run_text(text, **UNLAUNCHED)) == ["/deep/mine/rel"]

@@ -1,0 +1,159 @@
+"""What rclpy's nodes declare (docs.ros.org: rclpy)."""
+
+import pytest
+from ros2_runs import UNLAUNCHED, implied, names, one, python, settings, written
+
+from rtron.vocabulary import Durability, QoS, Reliability, Resolution
+
+BEST, TRANSIENT = Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("self.create_publisher(Bool, 't', 1)", "publish /ns/t std_msgs/msg/Bool"),
+        ("self.create_publisher(Bool, '~/t', 1)", "publish /ns/n/t std_msgs/msg/Bool"),
+        (
+            "self.create_publisher(msg_type=Bool, topic='/t', qos_profile=1)",
+            "publish /t std_msgs/msg/Bool",
+        ),
+        (
+            "self.create_subscription(Bool, f'{self.get_name()}/t', lambda m: None, 1)",
+            "subscribe /ns/n/t std_msgs/msg/Bool",
+        ),
+        (
+            "self.create_service(Trigger, 's', lambda a, b: b)",
+            "service /ns/s std_srvs/srv/Trigger",
+        ),
+        ("self.create_client(Trigger, 's')", "service_client /ns/s std_srvs/srv/Trigger"),
+        (
+            "ActionServer(self, Dock, 'd', lambda g: None)",
+            "action_server /ns/d a_msgs/action/Dock",
+        ),
+        ("ActionClient(self, Dock, 'd')", "action_client /ns/d a_msgs/action/Dock"),
+        ("message_filters.Subscriber(self, Bool, 't')", "subscribe /ns/t std_msgs/msg/Bool"),
+        ("wait_for_message(Bool, self, 't')", "subscribe /ns/t std_msgs/msg/Bool"),
+    ],
+)
+def test_each_call_is_found(line, expected):
+    top = """import message_filters
+from rclpy.action import ActionClient, ActionServer
+from rclpy.wait_for_message import wait_for_message
+from std_srvs.srv import Trigger
+from a_msgs.action import Dock"""
+    assert written(python(line, top)) == [expected]
+
+
+def test_without_a_launch_the_source_names_the_node():
+    found = python("self.create_publisher(Bool, '~/t', 1)", **UNLAUNCHED)
+    assert names(found) == ["/written/t"]
+    assert [node.name for node in found.nodes] == ["/written"]
+
+
+def test_a_node_may_be_created_without_a_class():
+    top = "other = rclpy.create_node('other', namespace='far', use_global_arguments=False)"
+    assert names(python("other.create_publisher(Bool, 't', 1)", top)) == ["/far/t"]
+
+
+@pytest.mark.parametrize(
+    ("written_qos", "expected"),
+    [
+        ("7", QoS(depth=7)),
+        ("QoSProfile(depth=3)", QoS(depth=3)),
+        (
+            "QoSProfile(depth=3, reliability=ReliabilityPolicy.BEST_EFFORT)",
+            QoS(depth=3, reliability=BEST),
+        ),
+        (
+            "QoSProfile(depth=1, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)",
+            QoS(depth=1, durability=TRANSIENT),
+        ),
+        ("qos_profile_sensor_data", QoS(depth=5, reliability=BEST)),
+        ("QoSPresetProfiles.SENSOR_DATA.value", QoS(depth=5, reliability=BEST)),
+        ("profile", QoS(depth=9, durability=TRANSIENT)),
+        ("QoSProfile(depth=3, reliability=who_knows())", None),
+    ],
+)
+def test_a_literal_quality_of_service_is_read(written_qos, expected):
+    top = """from rclpy.qos import (QoSProfile, ReliabilityPolicy, QoSDurabilityPolicy,
+                       DurabilityPolicy, QoSPresetProfiles, qos_profile_sensor_data)
+profile = QoSProfile(depth=9)
+profile.durability = DurabilityPolicy.TRANSIENT_LOCAL"""
+    assert one(python(f"self.create_publisher(Bool, 't', {written_qos})", top)).qos == expected
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        "self.declare_parameter('topic', 'default').value",
+        "self.declare_parameter('topic', 'default').get_parameter_value().string_value",
+        "self.declare_parameters('', [('topic', 'default')])[0].value",
+        "(self.declare_parameter('topic', 'default'), self.get_parameter('topic').value)[1]",
+        "self.get_parameter_or('topic', Parameter('x', Parameter.Type.STRING, 'default')).value",
+    ],
+)
+@pytest.mark.parametrize(
+    ("given", "expected"), [({}, "/ns/default"), ({"topic": "other"}, "/ns/other")]
+)
+def test_a_parameter_is_read_in_many_ways(read, given, expected):
+    top = "from rclpy.parameter import Parameter"
+    found = one(python(f"self.create_publisher(Bool, {read}, 1)", top, settings=settings(**given)))
+    assert found.name == expected
+    assert found.resolution is Resolution.PARAMETER or not given
+
+
+def test_parameters_below_a_prefix_are_those_of_the_launch():
+    body = """for name, value in self.get_parameters_by_prefix('in').items():
+    self.create_subscription(Bool, value.value, lambda m: None, 1)"""
+    given = settings(in__a="first", in__b="second", out__c="third")
+    assert names(python(body, settings=given)) == ["/ns/first", "/ns/second"]
+
+
+def test_what_callbacks_make_is_found():
+    body = "self.create_timer(1.0, self.tick)"
+    members = "def tick(self):\n    self.create_publisher(Bool, 'late', 1)"
+    assert names(python(body, members=members)) == ["/ns/late"]
+
+
+def test_a_base_class_of_the_workspace_declares_too():
+    top = """class Base(Node):
+    def __init__(self, name, topic):
+        super().__init__(name)
+        self.create_publisher(Bool, topic, 1)
+class Other(Base):
+    def __init__(self):
+        super().__init__('other', 'based')"""
+    assert names(python("Other()", top, **UNLAUNCHED)) == ["/based"]
+
+
+def test_transforms_are_marked():
+    top = "from tf2_ros import Buffer, StaticTransformBroadcaster, TransformListener"
+    body = """self.buffer = Buffer()
+self.listener = TransformListener(self.buffer, self)
+StaticTransformBroadcaster(self)"""
+    found = implied(python(body, top))
+    assert found >= {"subscribe /tf", "subscribe /tf_static", "publish /tf_static"}
+    assert "publish /tf" not in found
+
+
+def test_a_lifecycle_node_is_configured():
+    top = """from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+class Managed(LifecycleNode):
+    def __init__(self):
+        super().__init__('managed')
+    def on_configure(self, state):
+        self.create_lifecycle_publisher(Bool, 'configured', 1)
+        return TransitionCallbackReturn.SUCCESS"""
+    found = python("Managed()", top, **UNLAUNCHED)
+    assert names(found) == ["/configured"]
+    assert "service /managed/change_state" in implied(found)
+
+
+def test_simulated_time_is_a_subscription():
+    assert "subscribe /clock" in implied(python("pass", settings=settings(use_sim_time=True)))
+    assert "subscribe /clock" not in implied(python("pass"))
+
+
+def test_no_name_of_ros_1_is_a_library_of_ros_2():
+    found = python("rospy.Publisher('old', Bool)", "import rospy")
+    assert names(found) == []
