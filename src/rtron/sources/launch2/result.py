@@ -24,12 +24,13 @@ class Start:
     """A node, component or process that a launch starts.
 
     `name` is empty where the program names its node itself; `full_name` then ends in `*`. What is
-    not known of a text stands in braces. `program` is an executable, or a component's class, which
-    the node `container` loads. `remaps` are in order: the first that fits a name counts, `shared`
-    of them are not the node's own. `arguments` are the words of a command line, for a process
-    the whole of it. `complete` says that every parameter file is known, `extra` are a component's
-    extra arguments. `conditions` are those that it stands under, `doubtful` says that one of them
-    is not known. `event` is what it waits for. `chain` has the includes around, outermost first.
+    not known of a text stands in braces. `placed` says that a namespace is given. `program` is an
+    executable, or a component's class, which the node `container` loads. `remaps` are in order: the
+    first that fits a name counts, `shared` of them are not the node's own. `arguments` are the
+    words of a command line, for a process the whole of it. `complete` says that every parameter
+    file is known, `extra` are a component's extra arguments. `conditions` are those that it stands
+    under, `doubtful` says that one of them is not known. `event` is what it waits for. `chain` has
+    the includes around, outermost first.
     """
 
     kind: StartKind
@@ -37,6 +38,7 @@ class Start:
     program: str = ""
     name: str = ""
     namespace: str = "/"
+    placed: bool = False
     remaps: tuple[Rule, ...] = ()
     shared: int = 0
     sources: tuple[ParameterSource, ...] = ()

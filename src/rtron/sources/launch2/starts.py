@@ -129,6 +129,7 @@ class Starts(Surroundings):
             program=self._text(element, _program(kind), scope, place),
             name=name,
             namespace=space or "/",
+            placed=bool(space),
             remaps=tuple((shown(name), shown(target)) for name, target in (*early, *remaps)),
             shared=len(early),
             arguments=tuple(map(shown, words)),

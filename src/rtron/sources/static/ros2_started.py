@@ -47,7 +47,7 @@ class StartedNodes:
             ros=2,
             args=start.arguments,
             named=bool(start.name),
-            placed=start.namespace != "/",
+            placed=start.placed,
             complete=start.complete,
             environ=self._environ(start),
             settings=tuple(_settings(start.sources, exact_last=python)),
@@ -84,7 +84,7 @@ def _name(start: Start, program: str) -> str:
 def _words(start: Start) -> Iterator[str]:
     """Yield the arguments in the options of a component (rclcpp_components: ComponentManager)."""
     own = [("__node", start.name)] if start.name and start.name != UNKNOWN else []
-    own += [("__ns", start.namespace)] if start.namespace != "/" else []
+    own += [("__ns", start.namespace)] if start.placed else []
     yield "--ros-args"
     for name, target in (*own, *start.remaps):
         yield from ("-r", f"{name}:={target}")
