@@ -9,13 +9,12 @@ _HEAD = """\
 # The case studies, run by run
 
 `python -m evaluation demos` made these: every case in twenty worlds, in which start, goal, widths,
-obstacles and the pedestrian's moment differ. Times are simulated seconds but for the mitigation,
-which is the guard's own time: from the first malicious message to the first verdict that stopped
-one. `off` is the largest distance from the unattacked way.
+obstacles and the pedestrian's moment differ. Times are simulated seconds. `off` is the largest
+distance from the unattacked way.
 """
 _COLUMNS = (
     "world | unattacked | attacked | collided | sent / delivered | guarded | time | "
-    "sent / delivered | mitigated | off"
+    "sent / delivered | the attack | off"
 )
 _RULE = "--:|--:|---|---|--:|---|--:|--:|--:|--:"
 
@@ -47,7 +46,7 @@ def _line(runs: Mapping[Variant, Run]) -> str:
         guarded.outcome,
         _time(guarded.time_to_goal),
         f"{guarded.sent} / {guarded.delivered}",
-        "" if guarded.mitigated_after is None else f"{guarded.mitigated_after * 1000:.1f} ms",
+        guarded.mitigation,
         off,
     )
     return f"| {' | '.join(cells)} |"
