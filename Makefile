@@ -33,7 +33,7 @@ coverage: setup ## Check that the tests go through every branch of the policies,
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
 test: lint coverage test-ros2 ## Run lint, coverage and every test
-	$(BIN)/pytest -m "not ros2"
+	$(BIN)/pytest -m "not ros2" -n auto --dist loadfile
 
 test-ros2: setup ## Run the tests on a real ROS 2
 	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS); fi

@@ -12,12 +12,15 @@ from harness import Ros1
 from harness2 import Ros2
 from roslaunch_oracle import RosLoader
 
+_HEARD = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: signal.SIG_DFL}
+
 
 @pytest.fixture(scope="session", autouse=True)
 def interrupts():
-    """Let processes hear SIGINT, though a shell that runs the tests with `&` has it ignored."""
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Let processes hear what a shell that runs the tests with `&`, or nohup, has ignored."""
+    for number, handler in _HEARD.items():
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, handler)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -4,7 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from drive import CMD_VEL, CMD_VEL_GUARD, drive_plan
+from drive import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan
 from harness import NODES, ROS_PYTHON, wait_for
 from scene import OUT, Scene
 
@@ -53,12 +53,11 @@ def test_a_ghost_is_1_and_named(ros1, scene):
 
 
 def test_missing_remaps_are_1(ros1, scene):
-    driven = ros1.folder / "other.txt"
+    driven = Driven(ros1.folder / "other.txt")
     scene.driver.stop()
-    ros1.spawn(ROS_PYTHON, NODES / "driver.py", driven, "__name:=driver")
+    ros1.spawn(ROS_PYTHON, NODES / "driver.py", driven.path, "__name:=driver")
     ros1.node("nav.py", "/nav")
-    wait_for(lambda: "/driver" in ros1.subscribers(CMD_VEL), what="the driver")
-    wait_for(lambda: "/nav" in ros1.publishers(CMD_VEL), what="navigation")
+    wait_for(driven.navigation, what="what navigation sends to the driver")
     found = verified(ros1, 1, "--format", "json")
     assert states(found) | {"/rogue": ""} == {"/driver": "open", "/nav": "drift", "/rogue": ""}
     wait_for(lambda: len(scene.alarms("alarm: drift")) == 2, what="the guard's own alarms")

@@ -20,7 +20,7 @@ from rtron.reports.functions_graph_ground import (
 )
 from rtron.reports.neutral import neutral
 
-LINE, LETTER, BOLD = 16, 7.1, 7.9
+LINE, LETTER, BOLD = 16, 7.9, 8.9
 _STEP, _BUNDLE = 5, 10
 _Told: TypeAlias = tuple[str, str, Basis]
 Words: TypeAlias = tuple[tuple[str, Basis], ...]
