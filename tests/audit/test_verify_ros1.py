@@ -4,7 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from drive import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan
+from drive import CMD_VEL_GUARD, Driven, drive_plan
 from harness import NODES, ROS_PYTHON, wait_for
 from scene import OUT, Scene
 
