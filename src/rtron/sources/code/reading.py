@@ -36,9 +36,15 @@ class WorkspaceFiles:
 
     def unit(self, path: Path, language: Language) -> Unit:
         """Return a file, lowered; one that cannot be read is empty, with a Problem."""
-        key = (path, language, self.definitions)
+        try:
+            text = path.read_bytes()
+        except OSError as error:
+            problem = Problem(0, f"cannot be read: {error.strerror}")
+            return Unit(file=str(path), language=language, problems=(problem,))
+        definitions = tuple(one for one in self.definitions if _may_mean(text, one))
+        key = (path, language, definitions)
         if key not in self._units:
-            self._units[key] = _lowered(path, language, self.definitions)
+            self._units[key] = _lowered(path, text, language, definitions)
         return self._units[key]
 
     def header(self, include: str, includer: Path) -> Path | None:
@@ -111,16 +117,16 @@ class WorkspaceFiles:
         return self._sources[package].get(word, ())
 
 
-def _lowered(path: Path, language: Language, definitions: tuple[str, ...]) -> Unit:
-    try:
-        text = path.read_bytes()
-    except OSError as error:
-        problem = Problem(0, f"cannot be read: {error.strerror}")
-        return Unit(file=str(path), language=language, problems=(problem,))
+def _lowered(path: Path, text: bytes, language: Language, definitions: tuple[str, ...]) -> Unit:
     if language is Language.PYTHON:
         return lower_python(str(path), text)
     pairs = (definition.partition("=") for definition in definitions)
     return lower_cpp(str(path), text, {name: value or "1" for name, _, value in pairs})
+
+
+def _may_mean(text: bytes, definition: str) -> bool:
+    """Tell whether a macro can matter to a file: by its name, or one that is pasted together."""
+    return b"##" in text or definition.partition("=")[0].encode() in text
 
 
 def _beside(dotted: str, importer: Path) -> Path | None:

@@ -1,6 +1,7 @@
 """The plain names that a function calls and writes, found once and kept."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
 from functools import wraps
 from typing import Any, TypeAlias, TypeVar
 
@@ -27,7 +28,8 @@ _ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", 
 
 _LEAVING = (Assign, Break, Call, Continue, Delete, New, Return, Yield)
 _HARMLESS = frozenset({"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"})
-_SLOTS: dict[type, tuple[str, ...]] = {}
+_SLOTS: dict[type, tuple[str, ...] | None] = {}
+_PLAIN = (str, int, bool, str | None, int | None, str | int | float | bool | bytes | None)
 MAX_KEPT = 50_000
 
 _T = TypeVar("_T")
@@ -111,12 +113,17 @@ def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR
         if kind is tuple:
             stack.extend(current)
             continue
-        slots = _SLOTS.get(kind)
-        if slots is None:
-            slots = _SLOTS[kind] = tuple(getattr(kind, "__slots__", ()))
-        if slots:
+        if kind not in _SLOTS:
+            _SLOTS[kind] = _holding(kind) if is_dataclass(kind) else None
+        slots = _SLOTS[kind]
+        if slots is not None:
             yield current
             stack.extend([getattr(current, name) for name in slots])
+
+
+def _holding(kind: type) -> tuple[str, ...]:
+    """Return the fields of a part of the IR that may hold other parts."""
+    return tuple(each.name for each in fields(kind) if each.type not in _PLAIN)
 
 
 def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR

@@ -1,7 +1,8 @@
 """C++'s types and classes: what a name of a type means, and the methods of a class."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.files import Files
@@ -33,6 +34,19 @@ POINTERS = frozenset(
 _MAX_BASES = 32
 
 
+class _Scanned(NamedTuple):
+    """A method that the source defines, and the class that has it."""
+
+    functions: tuple[Function, ...]
+    cls: ClassValue
+
+
+class _Native(NamedTuple):
+    """A method of a library's class."""
+
+    call: Callable[..., Value]
+
+
 @dataclass(eq=False, slots=True, kw_only=True)
 class CppTypes:
     """The types of one program: its symbols, and the classes of the libraries that RTron knows."""
@@ -44,6 +58,8 @@ class CppTypes:
     _found: dict[tuple[str, str], ClassValue | NativeClass | None] = field(default_factory=dict)
     _found_at: int = -1
     _overloads: dict[str, tuple[int, tuple[Function, ...]]] = field(default_factory=dict)
+    _methods: dict[tuple[str, str], _Scanned | _Native | None] = field(default_factory=dict)
+    _methods_at: int = -1
 
     def size(self) -> int:
         """Return a number that changes when the program's functions do."""
@@ -115,13 +131,33 @@ class CppTypes:
 
     def method(self, cls: Value, name: str, owner: Value) -> Value | None:
         """Return the most derived method of a name, bound to its owner."""
+        if isinstance(cls, NativeClass):
+            return Native(name, cls.methods[name], owner) if name in cls.methods else None
+        found = self._method(cls, name) if isinstance(cls, ClassValue) else None
+        if isinstance(found, _Scanned):
+            return bound_overloads(found.functions, owner, found.cls)
+        return Native(name, found.call, owner) if found is not None else None
+
+    def _method(self, cls: ClassValue, name: str) -> _Scanned | _Native | None:
+        """Return the most derived method of a name; what was found holds until a file comes."""
+        key = cls.name, name
+        if self._methods_at == self.symbols.version and key in self._methods:
+            return self._methods[key]
+        found = self._found_method(cls, name)
+        if self._methods_at != self.symbols.version:
+            self._methods_at = self.symbols.version
+            self._methods.clear()
+        self._methods[key] = found
+        return found
+
+    def _found_method(self, cls: ClassValue, name: str) -> _Scanned | _Native | None:
         for ancestor in self.lineage(cls):
             if isinstance(ancestor, ClassValue):
                 functions = self.overloads(f"{ancestor.name}::{name}")
                 if functions:
-                    return bound_overloads(functions, owner, ancestor)
+                    return _Scanned(functions, ancestor)
             elif isinstance(ancestor, NativeClass) and name in ancestor.methods:
-                return Native(name, ancestor.methods[name], owner)
+                return _Native(ancestor.methods[name])
         return None
 
     def method_names(self, definition: Class) -> list[str]:

@@ -78,9 +78,10 @@ class CppWorld(CppObjects):
                 return self.place(name, frame.closure)
             if isinstance(frame.this, Instance) and name in frame.this.fields:
                 return Place(frame.this.fields, name)
-            for candidate in self.symbols.candidates(name, frame.scope):
-                if candidate in self.symbols.variables:
-                    return Place(self._globals, candidate)
+            if self.symbols.is_end(name):
+                for candidate in self.symbols.candidates(name, frame.scope):
+                    if candidate in self.symbols.variables:
+                        return Place(self._globals, candidate)
         return Place(frame.variables, name)
 
     def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:

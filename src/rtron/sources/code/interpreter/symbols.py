@@ -1,6 +1,6 @@
 """The names of a C++ program: all its files, and the headers they include, in one table."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -61,8 +61,10 @@ class Symbols:
     _methods: dict[str, list[str]] = field(default_factory=dict)
     _candidates: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
     _followed: dict[tuple[TypeRef, str], TypeRef] = field(default_factory=dict)
+    _plainly: dict[tuple[str, str], TypeRef] = field(default_factory=dict)
     _meant: dict[tuple[str, str], Class | None] = field(default_factory=dict)
     _own: dict[str, bool] = field(default_factory=dict)
+    _ends: set[str] = field(default_factory=set)
     version: int = 0
     _sought: set[tuple[str, str]] = field(default_factory=set)
 
@@ -111,6 +113,10 @@ class Symbols:
             )
         return self._own[file]
 
+    def is_end(self, name: str) -> bool:
+        """Tell whether anything's name ends as this one does: if not, it means nothing here."""
+        return name.rpartition("::")[2] in self._ends
+
     def methods(self, cls: str) -> list[str]:
         """Return the names of the methods defined for a class."""
         return self._methods.get(cls, [])
@@ -129,17 +135,28 @@ class Symbols:
         parts = scope.split("::") if scope else []
         for depth in range(len(parts), -1, -1):
             yield "::".join((*parts[:depth], name))
+        head = name.partition("::")[0]
         for using in self.usings:
-            if using.rpartition("::")[2] == name.split("::", maxsplit=1)[0]:
-                yield using + name[len(name.split("::", maxsplit=1)[0]) :]
+            if using.endswith(head) and using.rpartition("::")[2] == head:
+                yield using + name[len(head) :]
             yield f"{using}::{name}"
 
     def type(self, type: TypeRef, scope: str) -> TypeRef:
         """Return a type with its typedefs and namespace aliases followed."""
+        if not type.args:
+            return self._of_plain(type, scope)
         key = type, scope
         if key not in self._followed:
             self._followed[key] = self._follow(type, scope)
         return self._followed[key]
+
+    def _of_plain(self, type: TypeRef, scope: str) -> TypeRef:
+        """Return what a type without arguments means: a text is faster to look up than a type."""
+        key = type.name, scope
+        found = self._plainly.get(key)
+        if found is None:
+            found = self._plainly[key] = self._follow(type, scope)
+        return found
 
     def _follow(self, type: TypeRef, scope: str) -> TypeRef:
         for at in range(_MAX_ALIASES):
@@ -159,12 +176,14 @@ class Symbols:
         """Return the scanned class that a name means."""
         key = name, scope
         if key not in self._meant:
+            if not self.is_end(name):
+                return None
             found = (self.classes.get(candidate) for candidate in self.candidates(name, scope))
             self._meant[key] = next(filter(None, found), None)
         return self._meant[key]
 
     def _aliased(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
-        for candidate in self.candidates(type.name, scope):
+        for candidate in self.candidates(type.name, scope) if self.is_end(type.name) else ():
             if candidate in self.classes:
                 return None
             found = self.aliases.get(candidate)
@@ -176,7 +195,7 @@ class Symbols:
     def _in_aliased_namespace(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
         """`namespace mf = message_filters;`: `mf::Subscriber` is `message_filters::Subscriber`."""
         head, _, rest = type.name.partition("::")
-        if not rest:
+        if not rest or head not in self._ends:
             return None
         for candidate in self.candidates(head, scope):
             found = self.aliases.get(candidate)
@@ -187,14 +206,22 @@ class Symbols:
     def _forget(self) -> None:
         """Forget what names meant, since a file brings others."""
         self.version += 1
-        for known in (self._candidates, self._followed, self._meant):
+        for known in (self._followed, self._plainly, self._meant):
             known.clear()
+
+    def _use(self, names: Iterable[str]) -> None:
+        new = [name for name in dict.fromkeys(names) if name not in self.usings]
+        if new:
+            self.usings.extend(new)
+            self._candidates.clear()
 
     def _take(self, unit: Unit) -> None:
         self._forget()
+        named = (*dict(unit.aliases), *dict(unit.enums), *(cls.name for cls in unit.classes))
+        self._ends.update(name.rpartition("::")[2] for name in named)
         self.aliases.update(unit.aliases)
         self.enums.update(unit.enums)
-        self.usings.extend(using for using in unit.usings if using not in self.usings)
+        self._use(unit.usings)
         for definition in unit.classes:
             self.classes.setdefault(definition.name, definition)
             for member in definition.fields:
@@ -205,6 +232,7 @@ class Symbols:
         for function in map(self._qualified, unit.functions):
             self.functions.setdefault(function.name, []).append(function)
             owner, _, plain = function.name.rpartition("::")
+            self._ends.add(plain)
             self._plain.setdefault(plain, []).append(function)
             if function.body is not None:
                 self._methods.setdefault(owner, []).append(plain)
@@ -224,6 +252,7 @@ class Symbols:
         return replace(function, name=f"{definition.name}::{plain}")
 
     def _take_variable(self, declared: Declare, file: str) -> None:
+        self._ends.add(declared.name.rpartition("::")[2])
         known = self.variables.get(declared.name)
         if known is None or known[0].value is None:
             self.variables[declared.name] = (declared, file)
