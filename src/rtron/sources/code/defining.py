@@ -3,6 +3,7 @@
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -10,9 +11,34 @@ from rtron.sources.bounded import read_bounded
 from rtron.sources.workspace.package import Target, TargetKind
 
 MAX_BYTES = 4 * 2**20
+MAX_KEPT = 64 * 2**20
 
 _METHOD = re.compile(rb"\b(\w+)(?:<[^<>;(){}]{0,200}>)?::~?(?:\w+)\s*\(")
 _FUNCTION = re.compile(rb"^(?:[A-Za-z_][\w:<>,&* ]{0,200}[\s&*])?(\w+)\s*\(", re.MULTILINE)
+
+
+@dataclass(eq=False, slots=True)
+class Texts:
+    """Reads sources; each is read once, as long as all that is kept is not too much."""
+
+    _kept: dict[Path, bytes] = field(default_factory=dict)
+    _size: int = 0
+
+    def naming(self, sources: Iterable[Path], word: str) -> tuple[Path, ...]:
+        """Return those of some sources whose text has a word."""
+        plain = word.encode("utf-8", "surrogateescape")
+        wanted = re.compile(rb"\b%b\b" % re.escape(plain))
+        texts = ((path, self._text(path)) for path in sources)
+        return tuple(path for path, text in texts if plain in text and wanted.search(text))
+
+    def _text(self, path: Path) -> bytes:
+        known = self._kept.get(path)
+        if known is None:
+            known = _text(path)
+            if self._size + len(known) <= MAX_KEPT:
+                self._kept[path] = known
+                self._size += len(known)
+        return known
 
 
 def defining(targets: Iterable[Target]) -> Mapping[str, tuple[Path, ...]]:
@@ -23,12 +49,6 @@ def defining(targets: Iterable[Target]) -> Mapping[str, tuple[Path, ...]]:
         for word in _words(path):
             found[word].append(path)
     return {word: tuple(paths) for word, paths in found.items()}
-
-
-def naming(sources: Iterable[Path], word: str) -> tuple[Path, ...]:
-    """Return those of some sources whose text has a word."""
-    wanted = re.compile(rb"\b%b\b" % re.escape(word.encode("utf-8", "surrogateescape")))
-    return tuple(path for path in sources if wanted.search(_text(path)))
 
 
 def _words(path: Path) -> set[str]:

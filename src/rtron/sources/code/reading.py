@@ -9,7 +9,7 @@ from rtron.errors import InputError
 from rtron.messages.definitions import standard_names
 from rtron.sources.bounded import read_bounded
 from rtron.sources.code.cpp import lower_cpp
-from rtron.sources.code.defining import defining, naming
+from rtron.sources.code.defining import Texts, defining
 from rtron.sources.code.interpreter.files import Plugin
 from rtron.sources.code.ir import Language, Problem, Unit
 from rtron.sources.code.python import lower_python
@@ -28,6 +28,7 @@ class WorkspaceFiles:
     workspace: Workspace
     definitions: tuple[str, ...] = ()
     _sources: dict[str, Mapping[str, tuple[Path, ...]]] = field(default_factory=dict)
+    _texts: Texts = field(default_factory=Texts)
     _units: dict[tuple[Path, Language, tuple[str, ...]], Unit] = field(default_factory=dict)
 
     def defining(self, definitions: tuple[str, ...]) -> "WorkspaceFiles":
@@ -100,11 +101,11 @@ class WorkspaceFiles:
         packages = (self.workspace.contents(package) for package in self.workspace.packages)
         targets = (target for contents in packages if contents for target in contents.targets)
         libraries = [target.sources for target in targets if target.kind is TargetKind.LIBRARY]
-        return tuple(sources for sources in libraries if naming(sources, word))
+        return tuple(sources for sources in libraries if self._texts.naming(sources, word))
 
     def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""
-        return naming(sources, word)
+        return self._texts.naming(sources, word)
 
     def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
         """Return the sources of a header's package that may define a class or function."""
