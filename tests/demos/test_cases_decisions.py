@@ -4,6 +4,7 @@ import pytest
 from demo_runs import CORRIDOR, ROOM
 
 from rtron.demos.cases import CASES, GR, MSR, RSR, Setting
+from rtron.demos.running.deciding import by_decisions
 
 
 def setting(speed=1.0, rate=10.0):
@@ -94,3 +95,12 @@ def test_only_where_the_world_decides_the_plan_depends_on_it():
         case.name for case in CASES.values() if case.decisions(setting()) == case.decisions(other)
     }
     assert same == {"gr", "rsr"}
+
+
+def test_worlds_in_a_row_share_a_guarded_app_where_the_same_is_decided():
+    slow, fast = setting(rate=5.0), setting(rate=10.0)
+    found = by_decisions(RSR, {1: fast, 2: fast, 3: slow, 4: fast})
+    assert [seeds for _, seeds in found] == [[1, 2], [3], [4]]
+    assert [decisions for decisions, _ in found] == [
+        RSR.decisions(one) for one in (fast, slow, fast)
+    ]

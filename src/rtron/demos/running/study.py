@@ -16,6 +16,7 @@ from rtron.demos.measuring.deviation import deviation
 from rtron.demos.measuring.run import Run, Runs, Variant
 from rtron.demos.measuring.scene import Scene, way
 from rtron.demos.measuring.verdicts import SECOND, Event
+from rtron.demos.running.deciding import by_decisions
 from rtron.demos.running.judged import with_verdicts
 from rtron.demos.running.session import Session
 from rtron.demos.running.wanted import Tell, Wanted
@@ -92,22 +93,16 @@ class Study:
         """Do what `guarded` does; the last guarded app runs on until the end of the block."""
         with self._running:
             for case in self._wanted.cases:
-                for decisions, seeds in self._by_decisions(case):
+                settings = {seed: self._setting(case, seed) for seed in self._wanted.seeds}
+                for decisions, seeds in by_decisions(case, settings):
                     self.decisions.setdefault(case.name, decisions)
                     self._guarded(case, decisions, seeds, service)
             yield
 
-    def _by_decisions(self, case: Case) -> Iterator[tuple[Decisions, Sequence[int]]]:
-        """Yield decisions and the seeds of the worlds that they are for."""
-        found: list[tuple[Decisions, list[int]]] = []
-        for seed in self._wanted.seeds:
-            scene, speed = self.scenes[case.name, seed], self._begun.speed
-            setting = Setting(scene=scene, speed=speed, rate=self._wanted.camera_rate)
-            decisions = case.decisions(setting)
-            if not found or found[-1][0] != decisions:
-                found.append((decisions, []))
-            found[-1][1].append(seed)
-        yield from found
+    def _setting(self, case: Case, seed: int) -> Setting:
+        """Return what decisions of a case may depend on, in a world that was run before."""
+        scene, speed = self.scenes[case.name, seed], self._begun.speed
+        return Setting(scene=scene, speed=speed, rate=self._wanted.camera_rate)
 
     def _guarded(
         self, case: Case, decisions: Decisions, seeds: Sequence[int], service: Service | None
