@@ -101,6 +101,7 @@ def test_worlds_in_a_row_share_a_guarded_app_where_the_same_is_decided():
     slow, fast = setting(rate=5.0), setting(rate=10.0)
     found = by_decisions(RSR, {1: fast, 2: fast, 3: slow, 4: fast})
     assert [seeds for _, seeds in found] == [[1, 2], [3], [4]]
-    assert [decisions for decisions, _ in found] == [
+    decided = [decisions for decisions, _ in found]
+    assert decided == [RSR.decisions(one) for one in (fast, slow, fast)]
         RSR.decisions(one) for one in (fast, slow, fast)
     ]
