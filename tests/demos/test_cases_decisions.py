@@ -103,5 +103,3 @@ def test_worlds_in_a_row_share_a_guarded_app_where_the_same_is_decided():
     assert [seeds for _, seeds in found] == [[1, 2], [3], [4]]
     decided = [decisions for decisions, _ in found]
     assert decided == [RSR.decisions(one) for one in (fast, slow, fast)]
-        RSR.decisions(one) for one in (fast, slow, fast)
-    ]
