@@ -8,7 +8,17 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from evaluation import autorace, autoware, calls, demos, functions, launch2, launches, nav2
+from evaluation import (
+    autorace,
+    autoware,
+    calls,
+    demos,
+    functions,
+    launch2,
+    launches,
+    nav2,
+    universe,
+)
 from evaluation.part import Part, Tell
 from evaluation.place import AbsentError, Place, place
 from evaluation.subjects import AUTORALLY, TURTLEBOT
@@ -25,6 +35,7 @@ PARTS: dict[str, Part] = {
     "launches": launches.figures,
     "launch2": launch2.figures,
     "nav2": nav2.figures,
+    "universe": universe.figures,
     "functions": functions.figures,
     "demos": demos.figures,
 }

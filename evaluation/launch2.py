@@ -56,10 +56,10 @@ def _is_equal(path: Path, tests: Path) -> bool:
     if path.name.startswith("args_"):
         name = path.stem.removeprefix("args_")
         found = _read(package / "launch" / f"{name}.launch.py", {}, package)
-        return _arguments(found) == expected
+        return bool(_arguments(found) == expected)
     given = expected["launch_arguments"]
     found = _read(Path(expected["launch_file"]), given, package)
-    return _as_expected(found, given) == _without_commands(expected)
+    return bool(_as_expected(found, given) == _without_commands(expected))
 
 
 def _read(path: Path, arguments: Mapping[str, str], package: Path) -> AppLaunch:

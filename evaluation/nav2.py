@@ -13,6 +13,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from evaluation.nav2_launch import launch_figures
 from evaluation.part import Tell
@@ -50,7 +51,7 @@ def figures(here: Place, tell: Tell) -> Iterator[Figure]:
         _, warm = _scanned(folder, options)
         tell.progress("navigation2, launched")
         launched = list(launch_figures(folder, options, tell))
-    yield from _sites_found(call_sites(folder), found, tell)
+    yield from sites_found("nav2", call_sites(folder), found, tell, _PEER)
     yield Figure("nav2.cold", cold, _PEER_SECONDS, "s", at_most=6)
     yield Figure("nav2.warm", warm, None, "s", at_most=1)
     yield from launched
@@ -62,23 +63,32 @@ def _scanned(folder: Path, options: ScanOptions) -> tuple[Sequence[ScannedProgra
     return found, time.perf_counter() - before
 
 
-def _sites_found(
-    sites: Mapping[str, frozenset[Site]], programs: Sequence[ScannedProgram], tell: Tell
+def sites_found(
+    name: str,
+    sites: Mapping[str, frozenset[Site]],
+    programs: Sequence[ScannedProgram],
+    tell: Tell,
+    peer: Mapping[str, float] = MappingProxyType({}),
 ) -> Iterator[Figure]:
+    """Yield the share of each kind of call that a node declares a name at, beside a peer's.
+
+    Where there is a peer, nine tenths are asked for.
+    """
     declared = [d for one in programs if one.package not in _NOT_NODES for d in _named(one)]
     nodes = {d.node for d in declared}
     how = Counter(d.resolution.value for d in declared)
     shown = ", ".join(f"{count} {word}" for word, count in sorted(how.items()))
-    tell.lines([f"navigation2: {len(programs)} programs, {len(nodes)} nodes, names: {shown}"])
+    tell.lines([f"{name}: {len(programs)} programs, {len(nodes)} nodes, names: {shown}"])
     places = {(place.file, place.line) for d in declared for place in d.evidence}
     for kind, found in sites.items():
         missed = sorted(site for site in found if not _is_near(site, places))
         tell.lines([f"  {len(found)} {kind} calls, {len(missed)} of them not found"])
         tell.detail([f"  MISSED {kind} {file}:{line}" for file, line in missed])
         share = _PERCENT * (1 - len(missed) / max(1, len(found)))
-        peer = _PERCENT * _PEER[kind]
+        theirs = _PERCENT * peer[kind] if kind in peer else None
+        asked = 90 if kind in peer else None
         unit = f"% of {kind} calls"
-        yield Figure(f"nav2.{kind.replace(' ', '_')}", share, peer, unit, at_least=90)
+        yield Figure(f"{name}.{kind.replace(' ', '_')}", share, theirs, unit, at_least=asked)
 
 
 def _named(one: ScannedProgram) -> Iterator[Declaration]:
