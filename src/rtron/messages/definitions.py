@@ -1,7 +1,8 @@
 """The definitions of message types that are known: a plan's own, installed and standard ones."""
 
 import os
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 
 from rtron.errors import InputError, SourceError
@@ -97,14 +98,20 @@ def standard_text(name: str, ros: int) -> str | None:
         return None
 
 
-@cache
 def standard_names(package: str) -> frozenset[str]:
     """Return the names of the messages that Noetic's or Jazzy's standard package of a name has."""
+    return frozenset(_standard().get(package, ()))
+
+
+@cache
+def _standard() -> Mapping[str, Collection[str]]:
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - few scans need it
 
-    stores = (get_typestore(store) for store in (Stores.ROS1_NOETIC, Stores.ROS2_JAZZY))
-    types = (type.split("/") for store in stores for type in store.types)
-    return frozenset(parts[-1] for parts in types if parts[0] == package)
+    found: dict[str, set[str]] = defaultdict(set)
+    for store in (Stores.ROS1_NOETIC, Stores.ROS2_JAZZY):
+        for type in get_typestore(store).types:
+            found[type.partition("/")[0]].add(type.rpartition("/")[2])
+    return found
 
 
 _DRIVE = "\n".join(
