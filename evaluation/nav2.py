@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from evaluation.nav2_launch import launch_figures
+from evaluation.nav2_models import model_figures
 from evaluation.part import Tell
 from evaluation.place import Place
 from evaluation.ros2_call_sites import Site, call_sites
@@ -50,6 +51,8 @@ def figures(here: Place, tell: Tell) -> Iterator[Figure]:
         _, warm = _scanned(folder, options)
         tell.progress("navigation2, launched")
         launched = list(launch_figures(folder, options, tell))
+        tell.progress("navigation2, its models")
+        launched += model_figures(folder, options, tell)
     yield from _sites_found(call_sites(folder), found, tell)
     yield Figure("nav2.cold", cold, _PEER_SECONDS, "s", at_most=6)
     yield Figure("nav2.warm", warm, None, "s", at_most=1)
