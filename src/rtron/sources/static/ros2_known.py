@@ -6,11 +6,18 @@ from dataclasses import replace
 from rtron.sources.code.natives.ros2_endpoints import PARAMETER_SERVICES
 from rtron.sources.code.natives.ros2_qos import PROFILES
 from rtron.sources.code.reading import WorkspaceFiles
-from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
+from rtron.sources.declaration import (
+    Declaration,
+    DeclarationKind,
+    NodeInterface,
+    NodeSite,
+    plain_value,
+)
 from rtron.sources.models import Model
 from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_bridge import bridge
 from rtron.sources.static.ros2_given import given_value
+from rtron.vocabulary import NodeParameter
 
 _CONTAINERS, _BRIDGE = "rclcpp_components", ("ros_gz_bridge", "parameter_bridge")
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
@@ -54,7 +61,21 @@ def _modelled(part: Part, model: Model) -> NodeInterface:
     names = [m.name for i, m in enumerate(found.nodes) if m.name in used or not i]
     topics = [one for name in names for one in _topics(part, name, python=model.is_python)]
     services = [one for name in names for one in _services(part, name, _EVERY)]
-    return replace(found, declarations=(*found.declarations, *topics, *services))
+    return replace(
+        found,
+        declarations=(*found.declarations, *topics, *services),
+        parameters=tuple(_parameters(part.node.site, names)),
+    )
+
+
+def _parameters(site: NodeSite, names: list[str]) -> Iterator[NodeParameter]:
+    """Yield what is given to a node by its own name; whether `/**` concerns it is not known."""
+    for node in names:
+        given = {s.name: s.value for s in site.settings if s.node.strip("/") == node.strip("/")}
+        given |= dict(site.overrides) if node == names[0] else {}
+        given.pop("use_sim_time", None)
+        for name, value in given.items():
+            yield NodeParameter(node=node, name=name, value=plain_value(value))
 
 
 def _bridge(part: Part, files: WorkspaceFiles) -> NodeInterface:
