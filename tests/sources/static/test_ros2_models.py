@@ -217,3 +217,46 @@ def test_source_counts_before_a_model(launched, tmp_path):
         {"app.launch.xml": '<launch><node pkg="twist_mux" exec="twist_mux"/></launch>'}
     )
     assert ends(graph, "/mux") == {"> /changed std_msgs/msg/String"}
+
+
+ASKING = """import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Empty
+rclpy.init()
+node = Node("asking")
+node.declare_parameter("rate", 5)
+node.declare_parameter("names", ["a", "b"])
+node.declare_parameter("on", False)
+if node.get_parameter("on").value:
+    node.create_client(Empty, "go")
+rclpy.spin(node)
+"""
+
+
+def test_parameters_and_clients_of_source_and_of_models(launched, tmp_path):
+    package = tmp_path / "robot"
+    (package / "CMakeLists.txt").write_text(
+        "project(robot)\ninstall(PROGRAMS asking DESTINATION lib/${PROJECT_NAME})\n"
+    )
+    (package / "asking").write_text("#!/usr/bin/env python3\n" + ASKING)
+    launch = """<launch>
+      <node pkg="robot" exec="asking">
+        <param name="on" value="true"/><param name="rate" value="7"/><remap from="go" to="/halt"/>
+      </node>
+      <node pkg="nav2_lifecycle_manager" exec="lifecycle_manager" name="manager">
+        <param name="node_names" value="['amcl']"/>
+      </node>
+    </launch>"""
+    graph = launched({"app.launch.xml": launch})
+    told = {(p.node, p.name, p.value) for p in graph.parameters}
+    assert told == {
+        ("/asking", "rate", 7),
+        ("/asking", "names", ("a", "b")),
+        ("/asking", "on", True),
+        ("/manager", "node_names", ("amcl",)),
+    }
+    assert {(c.node, c.name) for c in graph.clients} == {
+        ("/asking", "/halt"),
+        ("/manager", "/amcl/change_state"),
+        ("/manager", "/amcl/get_state"),
+    }

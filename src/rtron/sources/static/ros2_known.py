@@ -13,6 +13,7 @@ from rtron.sources.declaration import (
     NodeSite,
     plain_value,
 )
+from rtron.sources.launch2.parameters import names as covers
 from rtron.sources.models import Model
 from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_bridge import bridge
@@ -69,9 +70,9 @@ def _modelled(part: Part, model: Model) -> NodeInterface:
 
 
 def _parameters(site: NodeSite, names: list[str]) -> Iterator[NodeParameter]:
-    """Yield what is given to a node by its own name; whether `/**` concerns it is not known."""
+    """Yield what the launch gives to nodes; their defaults are not in the models."""
     for node in names:
-        given = {s.name: s.value for s in site.settings if s.node.strip("/") == node.strip("/")}
+        given = {s.name: s.value for s in site.settings if covers(s.node, node)}
         given |= dict(site.overrides) if node == names[0] else {}
         given.pop("use_sim_time", None)
         for name, value in given.items():
