@@ -124,6 +124,32 @@ def test_every_endpoint_of_nav2_has_its_quality_of_service():
             assert entry.qos or not joins or "bond" in joins, (name, entry)
 
 
+PLACELESS = {
+    "controller_manager/spawner",
+    "rviz2/rviz2",
+    "position_controllers/GripperActionController",
+}
+"""What its command line, its file or an older release tells."""
+
+
+def test_every_endpoint_of_the_newest_release_names_a_line():
+    for (_, name), model in MODELS.by_name.items():
+        for entry in model.walk():
+            older = "not since" in (entry.condition or "") or "not kilted" in (
+                entry.condition or ""
+            )
+            placed = entry.line or ":" in entry.at
+            assert (
+                entry.kind is None
+                or placed
+                or older
+                or PLACELESS & {name, *model.node, *model.controller}
+            ), (
+                name,
+                entry.name,
+            )
+
+
 def test_a_twist_mux_of_ros2_hears_what_its_parameters_name():
     settings = {
         "topics.joy.topic": "joy_vel",
