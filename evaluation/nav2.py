@@ -16,6 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from evaluation.nav2_launch import launch_figures
+from evaluation.nav2_models import model_figures
 from evaluation.part import Tell
 from evaluation.place import Place
 from evaluation.ros2_call_sites import Site, call_sites
@@ -51,6 +52,8 @@ def figures(here: Place, tell: Tell) -> Iterator[Figure]:
         _, warm = _scanned(folder, options)
         tell.progress("navigation2, launched")
         launched = list(launch_figures(folder, options, tell))
+        tell.progress("navigation2, its models")
+        launched += model_figures(folder, options, tell)
     yield from sites_found("nav2", call_sites(folder), found, tell, _PEER)
     yield Figure("nav2.cold", cold, _PEER_SECONDS, "s", at_most=6)
     yield Figure("nav2.warm", warm, None, "s", at_most=1)

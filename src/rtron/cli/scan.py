@@ -26,7 +26,7 @@ from rtron.cli.options import (
     RosOption,
     TextOrJson,
 )
-from rtron.cli.outcome import FOUND, OK, STDOUT, Outcome, as_json
+from rtron.cli.outcome import FOUND, OK, STDOUT, Outcome, as_json, write_files
 from rtron.cli.running import RunningApp
 from rtron.cli.static_app import StaticChoice
 from rtron.errors import InputError
@@ -34,7 +34,9 @@ from rtron.planning.propose import propose_plan
 from rtron.reports.dot import graph_to_dot
 from rtron.reports.html import graph_to_html
 from rtron.reports.lines import Report
+from rtron.reports.nodl import graph_to_nodl, nodl_files
 from rtron.reports.risks_json import risks_to_json
+from rtron.reports.rosgraph import graph_to_rosgraph
 from rtron.reports.sarif import risks_to_sarif
 from rtron.reports.text import Scan, scan_text
 from rtron.risks import discover, load_lists
@@ -43,11 +45,13 @@ from rtron.vocabulary import InteractionGraph, RiskReport, Severity
 
 
 class Format(str, Enum):
-    """What a scan gives: a report, the risks, the graph, a picture or a page of it."""
+    """What a scan gives: a report, the risks, the graph in three shapes, a picture or a page."""
 
     TEXT = "text"
     JSON = "json"
     GRAPH = "graph"
+    NODL = "nodl"
+    ROSGRAPH = "rosgraph"
     DOT = "dot"
     SARIF = "sarif"
     HTML = "html"
@@ -74,7 +78,10 @@ def scan(  # noqa: PLR0913 - one for each option
     timeout: LiveTimeout = None,
     format: Annotated[
         Format,
-        typer.Option(help="A report, the risks, the graph, a picture in DOT, SARIF, or a page."),
+        typer.Option(
+            help="A report, the risks, the graph, each node in NoDL, rosgraph_msgs/Graph, "
+            "a picture in DOT, SARIF, or a page."
+        ),
     ] = Format.TEXT,
     fail_on: Annotated[
         FailOn, typer.Option(help="Exit with 1 when a risk is at least this severe.")
@@ -100,6 +107,7 @@ def scan(  # noqa: PLR0913 - one for each option
     $ rtron scan --live --ros 2 --domain 7       where ROS 2 runs, in domain 7
     $ rtron scan graph.json --format json --fail-on high
     $ rtron scan run.bag                   who published what in a recording
+    $ rtron scan graph.json --format nodl -o nodes    ROS 2: a file for each node
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """
@@ -114,6 +122,9 @@ def scan(  # noqa: PLR0913 - one for each option
         found = from_root(found, app.root)
     report = discover(found, load_lists(lists) if lists else None)
     exit_code = FOUND if _fails(report, fail_on) else OK
+    if format is Format.NODL and output.is_dir():
+        write_files(output, nodl_files(found))
+        return Outcome("", exit_code)
     return Outcome(_SHOWN[format](app, found, report), exit_code, output)
 
 
@@ -142,6 +153,8 @@ _SHOWN: Mapping[Format, Callable[[App, InteractionGraph, RiskReport], str | Repo
     Format.TEXT: _text,
     Format.JSON: lambda app, graph, report: as_json(risks_to_json(report)),
     Format.GRAPH: lambda app, graph, report: as_json(graph_to_json(graph)),
+    Format.NODL: lambda app, graph, report: graph_to_nodl(graph),
+    Format.ROSGRAPH: lambda app, graph, report: as_json(graph_to_rosgraph(graph)),
     Format.DOT: lambda app, graph, report: graph_to_dot(graph, report),
     Format.SARIF: lambda app, graph, report: risks_to_sarif(graph, report, app.root),
     Format.HTML: lambda app, graph, report: graph_to_html(

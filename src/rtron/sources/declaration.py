@@ -1,16 +1,34 @@
 """What a node declares through its client library, found in source, a model or a plugin."""
 
 from dataclasses import dataclass, field
+from math import isfinite
 
 from rtron.vocabulary import (
     Evidence,
+    NodeParameter,
     Parameters,
     ParameterValue,
+    PlainValue,
     QoS,
     Resolution,
     Unresolved,
     Word,
 )
+
+MAX_TEXT = 4096
+
+
+def plain_value(value: object) -> PlainValue | None:
+    """Return a parameter's value as a graph tells it; None for what is long or none of ROS 2."""
+    if isinstance(value, (list, tuple)):
+        items = [plain_value(item) for item in value[:MAX_TEXT]]
+        found = tuple(item for item in items if isinstance(item, (bool, int, float, str)))
+        return found if len(found) == len(value) else None
+    if isinstance(value, str):
+        return str(value) if len(value) <= MAX_TEXT else None
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    return value if isinstance(value, int) else None
 
 
 class DeclarationKind(Word):
@@ -114,10 +132,11 @@ class MadeNode:
 class NodeInterface:
     """All that one node declares, and what of it could not be found out.
 
-    `nodes` are those of a process of ROS 2, in the order they are made.
+    `nodes` are those of a process of ROS 2, in the order they are made, `parameters` theirs.
     """
 
     nodes: tuple[MadeNode, ...] = ()
     declarations: tuple[Declaration, ...] = ()
     starts: tuple[StartedLaunch, ...] = ()
     unresolved: tuple[Unresolved, ...] = ()
+    parameters: tuple[NodeParameter, ...] = ()

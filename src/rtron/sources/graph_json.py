@@ -14,7 +14,9 @@ from rtron.vocabulary import (
     Endpoint,
     InteractionGraph,
     Node,
+    NodeParameter,
     Service,
+    ServiceClient,
     Topic,
     Unresolved,
 )
@@ -35,11 +37,14 @@ class GraphDocument:
     endpoints: Annotated[tuple[Endpoint, ...], FailFast()] = ()
     services: Annotated[tuple[Service, ...], FailFast()] = ()
     actions: Annotated[tuple[Action, ...], FailFast()] = ()
+    clients: Annotated[tuple[ServiceClient, ...], FailFast()] = ()
+    parameters: Annotated[tuple[NodeParameter, ...], FailFast()] = ()
     unresolved: Annotated[tuple[Unresolved, ...], FailFast()] = ()
 
 
 _DOCUMENT = TypeAdapter(GraphDocument)
-_OPTIONAL = {"endpoints": "gid", "services": "implicit"}
+_OPTIONAL = {"endpoints": "gid", "services": "implicit", "clients": "implicit"}
+_LISTS = ("clients", "parameters")
 """What only graphs of ROS 2 have, and is written only where it is something."""
 
 
@@ -81,6 +86,8 @@ def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
         endpoints=graph.endpoints,
         services=graph.services,
         actions=graph.actions,
+        clients=graph.clients,
+        parameters=graph.parameters,
         unresolved=graph.unresolved,
     )
     json: dict[str, Any] = _DOCUMENT.dump_python(document, mode="json", exclude_none=True)
@@ -88,7 +95,7 @@ def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
         for each in json[key]:
             if not each[optional]:
                 del each[optional]
-    return json
+    return {key: value for key, value in json.items() if value or key not in _LISTS}
 
 
 def graph_json_schema() -> dict[str, Any]:
@@ -105,16 +112,20 @@ def _graph(document: GraphDocument) -> InteractionGraph:
         endpoints=document.endpoints,
         services=document.services,
         actions=document.actions,
+        clients=document.clients,
+        parameters=document.parameters,
         unresolved=document.unresolved,
     )
 
 
 def _implied_nodes(document: GraphDocument) -> tuple[Node, ...]:
     listed = {node.name for node in document.nodes}
-    users: tuple[Endpoint | Service | Action, ...] = (
+    users: tuple[Endpoint | Service | Action | ServiceClient | NodeParameter, ...] = (
         *document.endpoints,
         *document.services,
         *document.actions,
+        *document.clients,
+        *document.parameters,
     )
     named = dict.fromkeys(user.node for user in users)
     return tuple(Node(name=name) for name in named if name not in listed)

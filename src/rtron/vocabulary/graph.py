@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from rtron.vocabulary.enums import (
     ActionRole,
@@ -96,6 +97,29 @@ class Service:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ServiceClient:
+    """A service that a node calls; `implicit` marks those of the client library."""
+
+    node: str
+    name: str
+    type: str = ""
+    implicit: bool = False
+
+
+PlainValue: TypeAlias = bool | int | float | str | tuple[bool | int | float | str, ...]
+"""What a parameter of ROS 2 may hold."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeParameter:
+    """A parameter that a node of ROS 2 has, and what it is at the start; None if not known."""
+
+    node: str
+    name: str
+    value: PlainValue | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Action:
     """A node's side of an action, the whole action as one unit; `name` is its namespace."""
 
@@ -118,7 +142,8 @@ class Unresolved:
 class InteractionGraph:
     """Nodes, topics and endpoints of an app, with its services, actions and what stayed unresolved.
 
-    `ros` is the generation, 1 or 2. Indexes by topic and by node are built on first use, in one
+    `ros` is the generation, 1 or 2. Clients of services and parameters are those that source or a
+    model of ROS 2 tells of. Indexes by topic and by node are built on first use, in one
     pass over the endpoints.
     """
 
@@ -129,6 +154,8 @@ class InteractionGraph:
     endpoints: tuple[Endpoint, ...] = ()
     services: tuple[Service, ...] = ()
     actions: tuple[Action, ...] = ()
+    clients: tuple[ServiceClient, ...] = ()
+    parameters: tuple[NodeParameter, ...] = ()
     unresolved: tuple[Unresolved, ...] = ()
     _indexes: dict[str, Mapping[str, tuple[Endpoint, ...]]] = field(
         default_factory=dict, init=False, repr=False, compare=False

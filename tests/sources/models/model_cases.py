@@ -1,6 +1,6 @@
 """Parameters and node sites in a few words, and what an interface says as (kind, name, type)."""
 
-from rtron.sources.declaration import NodeSite
+from rtron.sources.declaration import NodeSite, ParameterSetting
 from rtron.vocabulary import Evidence, Parameter, Parameters
 
 HERE = Evidence(file="app.launch", line=1)
@@ -29,3 +29,19 @@ def names(found, kind):
 
 def told(found):
     return {(str(d.kind), d.name, d.type) for d in found.declarations}
+
+
+def site2(name="/robot/driver", settings=None, args="", environ=(), *, named=True):
+    """Return a site of ROS 2; `settings` are parameters by a pattern of node names."""
+    return NodeSite(
+        name=name,
+        ros=2,
+        args=tuple(args.split()),
+        environ=tuple(environ),
+        named=named,
+        settings=tuple(
+            ParameterSetting(node=node, name=key, value=value)
+            for node, values in (settings or {}).items()
+            for key, value in values.items()
+        ),
+    )

@@ -88,6 +88,7 @@ def _row(known: Known, graph: InteractionGraph, by: str, now: int) -> GraphRow:
 def _bounded(graph: InteractionGraph) -> InteractionGraph:
     """Refuse what the database or a browser could not hold."""
     items = (*graph.nodes, *graph.endpoints, *graph.services, *graph.actions, *graph.unresolved)
+    items += (*graph.clients, *graph.parameters)
     if len(items) > MOST_ENDPOINTS:
         help = "upload the graph of one app"
         raise InputError(f"more than {MOST_ENDPOINTS} nodes and endpoints", help=help)

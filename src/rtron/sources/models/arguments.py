@@ -4,8 +4,17 @@ from collections.abc import Iterator, Sequence
 
 
 def own_arguments(args: Sequence[str]) -> list[str]:
-    """Return the arguments without `from:=to`, which the client library takes away."""
-    return [argument for argument in args if ":=" not in argument]
+    """Return the arguments without `from:=to`, which the client library takes away.
+
+    In ROS 2 it takes all between `--ros-args` and `--`, or the end.
+    """
+    own, ros = [], False
+    for argument in args:
+        if argument == "--ros-args" or (ros and argument == "--"):
+            ros = not ros
+        elif not ros and ":=" not in argument:
+            own.append(argument)
+    return own
 
 
 def positional(args: Sequence[str], valued: str) -> list[str]:

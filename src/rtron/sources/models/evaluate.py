@@ -4,15 +4,23 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 
-from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
+from rtron.sources.declaration import (
+    Declaration,
+    DeclarationKind,
+    MadeNode,
+    NodeInterface,
+    NodeSite,
+)
 from rtron.sources.launch.unresolvable import UnresolvableError
 from rtron.sources.models.expressions import Expressions
 from rtron.sources.models.form import ANY_TYPE, Declare, Model
 from rtron.sources.models.models import Models, load_models
 from rtron.sources.models.plugin_element import PluginElement
+from rtron.sources.models.qos import qos_of
 from rtron.sources.models.scope import Scope, scope_at
+from rtron.sources.models.site2 import ros2_site
 from rtron.sources.models.values import Hole, Value, has_hole, hole, truth
-from rtron.vocabulary import Evidence, Resolution, Unresolved
+from rtron.vocabulary import Durability, Evidence, Resolution, Unresolved
 
 MAX_DEPTH = 8
 MAX_ITEMS = 1000
@@ -33,6 +41,7 @@ def interface(
     Names are absolute and not remapped; only what a library derives from a name that it has
     resolved itself (`IMAGE/compressed`) follows `site.remaps`.
     """
+    site = ros2_site(model, site) if site.ros > 1 else site
     standard = {"node": site.name, "args": list(site.args)}
     scope = scope_at(site).having({**standard, **(variables or {})})
     return _interface_in(model, scope, models or load_models())
@@ -56,16 +65,19 @@ def handle_interface(
 def _interface_in(model: Model, scope: Scope, models: Models) -> NodeInterface:
     walk = _Walk(models)
     found = islice(walk.model(model, scope, _Use()), MAX_DECLARATIONS)
+    declarations = _merged(found)  # takes the walk, which meets the nodes
     return NodeInterface(
-        declarations=_merged(found), unresolved=tuple(dict.fromkeys(walk.unresolved))
+        nodes=tuple(MadeNode(name=name, remaps=scope.site.remaps) for name in walk.nodes),
+        declarations=declarations,
+        unresolved=tuple(dict.fromkeys(walk.unresolved)),
     )
 
 
 def _merged(declarations: Iterable[Declaration]) -> tuple[Declaration, ...]:
     """Return each name once, with the evidence of all who declare it."""
-    by_name: dict[tuple[DeclarationKind, str, str], Declaration] = {}
+    by_name: dict[tuple[DeclarationKind, str, str, str], Declaration] = {}
     for declaration in declarations:
-        key = (declaration.kind, declaration.name, declaration.type)
+        key = (declaration.kind, declaration.name, declaration.type, declaration.node)
         first = by_name.get(key, declaration)
         evidence = tuple(dict.fromkeys((*first.evidence, *declaration.evidence)))
         by_name[key] = replace(first, evidence=evidence)
@@ -86,12 +98,18 @@ class _Use:
 class _Walk:
     models: Models
     unresolved: list[Unresolved] = field(default_factory=list)
+    nodes: dict[str, None] = field(default_factory=dict)
 
     def model(self, model: Model, scope: Scope, use: _Use) -> Iterator[Declaration]:
         use = replace(use, model=model, implicit=use.implicit or model.implicit)
+        self._meet(scope)
         for name, text in model.let.items():
             scope = scope.having({name: self._variable(name, text, scope, model)})
         yield from self._entries(model.declares, scope, use)
+
+    def _meet(self, scope: Scope) -> None:
+        if scope.is_ros2:
+            self.nodes[scope.private] = None
 
     def _variable(self, name: str, text: str, scope: Scope, model: Model) -> Value:
         try:
@@ -137,7 +155,9 @@ class _Walk:
                 self._unresolved(entry.condition, "not known", _evidence_of(entry, use))
             elif not holds:
                 return
-        yield from self._declared(entry, _placed(entry, scope), use)
+        placed = _placed(entry, scope)
+        self._meet(placed)
+        yield from self._declared(entry, placed, use)
 
     def _declared(self, entry: Declare, scope: Scope, use: _Use) -> Iterator[Declaration]:
         if entry.kind is not None:
@@ -179,6 +199,8 @@ def _holds(expressions: Expressions, condition: str) -> bool:
 
 def _placed(entry: Declare, scope: Scope) -> Scope:
     expressions = Expressions(scope)
+    if entry.node is not None:
+        scope = scope.at_node(expressions.name(entry.node))
     namespace = _handle(entry.namespace, scope.namespace, expressions)
     return replace(
         scope, namespace=namespace, private=_handle(entry.private, scope.private, expressions)
@@ -199,12 +221,16 @@ def _declaration(entry: Declare, kind: DeclarationKind, scope: Scope, use: _Use)
     expressions = Expressions(scope)
     name = scope.resolve(expressions.name(entry.name))
     symbolic = use.uncertain or has_hole(name)
+    qos = qos_of(expressions.text(entry.qos))
+    keeps = qos is not None and qos.durability is Durability.TRANSIENT_LOCAL
     return Declaration(
         kind=kind,
         name=name,
         type="" if entry.type == ANY_TYPE else expressions.text(entry.type),
         implicit=entry.implicit or use.implicit,
-        latched=entry.latched,
+        latched=entry.latched or (keeps and kind is DeclarationKind.PUBLISH),
+        node=scope.private if scope.is_ros2 else "",
+        qos=qos,
         resolution=Resolution.SYMBOLIC if symbolic else Resolution.MODEL,
         evidence=_evidence_of(entry, use),
     )

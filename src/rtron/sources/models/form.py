@@ -16,6 +16,7 @@ VERBS = (*(kind.value for kind in DeclarationKind), "uses", "unresolved", "decla
 KINDS = (
     "node",
     "nodelet",
+    "component",
     "gazebo_plugin",
     "controller",
     "costmap_layer",
@@ -34,6 +35,7 @@ class NodeRole(Word):
     GAZEBO = "gazebo"
     MODEL_SPAWNER = "model_spawner"
     CONTROLLER_SPAWNER = "controller_spawner"
+    CONTROLLER_MANAGER = "controller_manager"
 
 
 def _listed(value: object) -> object:
@@ -61,6 +63,7 @@ class Declare(BaseModel):
     type: Text = ""
     implicit: bool = False
     latched: bool = False
+    qos: Annotated[Text, BeforeValidator(str)] = ""
     condition: Text | None = Field(default=None, alias="if")
     loop: Annotated[Text, Field(pattern=r"^[a-z_]+ in .+")] | None = Field(
         default=None, alias="for"
@@ -69,6 +72,7 @@ class Declare(BaseModel):
     given: dict[str, Text] = Field(default={}, alias="with")
     namespace: Text | None = None
     private: Text | None = None
+    node: Text | None = None
     why: Text = ""
     line: int = Field(default=0, ge=0)
     at: str = ""
@@ -99,19 +103,22 @@ class Model(BaseModel):
     """What one node type, plugin or part declares; `source` is the public file it was read in.
 
     `over_source` says that the model counts even where the node's source is there, since plugins
-    or files decide at run time what it declares. `role` is what the node does to others.
+    or files decide at run time what it declares. `role` is what the node does to others. `name` is
+    what a node of ROS 2 calls itself where its launch gives it no name.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     node: Names = ()
     nodelet: Names = ()
+    component: Names = ()
     gazebo_plugin: Names = ()
     controller: Names = ()
     costmap_layer: Names = ()
     plugin: Names = ()
     part: Names = ()
     source: str
+    name: str = ""
     implicit: bool = False
     over_source: bool = False
     role: NodeRole | None = None
@@ -127,6 +134,11 @@ class Model(BaseModel):
             raise ValueError("source is written github.com/OWNER/NAME@TAG PATH")
         return self
 
+    @property
+    def is_python(self) -> bool:
+        """Whether the node is of rclpy, or rospy: its source is Python."""
+        return self.source.endswith(".py")
+
     def walk(self) -> Iterator[Declare]:
         """Yield every entry, groups before what stands in them."""
         waiting = list(self.declares)
@@ -139,11 +151,13 @@ class Model(BaseModel):
 def texts(model: Model) -> Iterator[tuple[str, str]]:
     """Yield each text of a model that holds an expression, as (kind, text)."""
     yield from (("expression", text) for text in model.let.values())
+    yield "template", model.name
     for entry in model.walk():
         yield from (("expression", text) for text in entry.let.values())
         yield from (("expression", text) for text in entry.given.values())
-        named = (entry.name, entry.uses, entry.type, entry.namespace, entry.private)
-        yield from (("template", text) for text in (*named, entry.unresolved, entry.why) if text)
+        named = (entry.name, entry.uses, entry.type, entry.namespace, entry.private, entry.node)
+        told = (entry.qos, entry.unresolved, entry.why)
+        yield from (("template", text) for text in (*named, *told) if text)
         if entry.condition:
             yield "expression", entry.condition
         if entry.loop:

@@ -8,14 +8,16 @@ from functools import partial
 from itertools import takewhile
 
 from rtron.sources.models import arguments
+from rtron.sources.models.parameters2 import children, parameter
 from rtron.sources.models.rviz import rviz_publications, rviz_subscriptions
+from rtron.sources.models.rviz2 import rviz2_publications, rviz2_subscriptions
 from rtron.sources.models.scope import Scope
 from rtron.sources.models.values import Hole, Value, has_hole, hole, known, truth
 from rtron.sources.models.yaml_file import yaml_file
 
 Function = Callable[..., Value]
 
-LATEST = "noetic"
+LATEST, LATEST2 = "noetic", "rolling"
 MAX_COUNTED = 100
 
 
@@ -27,6 +29,8 @@ def functions(scope: Scope) -> dict[str, Function]:
         "param": partial(_param, scope),
         "search": partial(_search, scope),
         "counted": partial(_counted, scope),
+        "children": partial(children, scope),
+        "numbered": partial(_numbered, scope),
         "value": partial(_value, scope),
         "since": partial(_since, scope),
         "model": partial(_model, scope),
@@ -42,6 +46,8 @@ def functions(scope: Scope) -> dict[str, Function]:
 
 
 def _param(scope: Scope, name: str, default: Value = None) -> Value:
+    if scope.is_ros2:
+        return parameter(scope, name, default)
     found = scope.site.parameters.get(scope.resolve(name))
     return default if found is None else known(found.value, name)
 
@@ -50,6 +56,12 @@ def _counted(scope: Scope, name: str) -> list[Value]:
     """Return the values of `name0`, `name1`, … up to the first that is not set."""
     values = (_param(scope, f"{name}{number}") for number in range(MAX_COUNTED))
     return list(takewhile(lambda value: value is not None, values))
+
+
+def _numbered(scope: Scope, name: str) -> list[str]:
+    """Return `0`, `1`, … as long as a parameter of that name and number is set."""
+    numbers = map(str, range(MAX_COUNTED))
+    return list(takewhile(lambda number: _param(scope, name + number) is not None, numbers))
 
 
 def _search(scope: Scope, name: str, default: Value = None) -> Value:
@@ -83,7 +95,8 @@ def _robot_namespace(scope: Scope) -> Value:
 
 
 def _since(scope: Scope, distribution: str) -> bool:
-    return dict(scope.site.environ).get("ROS_DISTRO", LATEST) >= distribution
+    latest = LATEST2 if scope.is_ros2 else LATEST
+    return dict(scope.site.environ).get("ROS_DISTRO", latest) >= distribution
 
 
 def _argument(args: Sequence[str], index: int, default: Value = None, valued: str = "") -> Value:
@@ -134,10 +147,13 @@ _PURE: Mapping[str, Function] = {
     "keys": _keys,
     "split": _split,
     "truth": truth,
+    "unknown": hole,
     "basename": lambda name: str(name).rpartition("/")[2],
     "parent": lambda name: str(name).rpartition("/")[0],
     "range": lambda first, last: list(range(first, min(last, 4096))),
     "rviz_publications": rviz_publications,
     "rviz_subscriptions": rviz_subscriptions,
+    "rviz2_publications": rviz2_publications,
+    "rviz2_subscriptions": rviz2_subscriptions,
     "yaml_file": yaml_file,
 }

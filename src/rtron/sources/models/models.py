@@ -10,6 +10,8 @@ from rtron.sources.models.form import KINDS, Model
 from rtron.sources.models.read import read_form
 
 LIBRARY = Path(__file__).parent / "library"
+LIBRARY2 = Path(__file__).parent / "library2"
+"""ROS 2's."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +27,10 @@ class Models:
     def nodelet(self, class_name: str) -> Model | None:
         """Return the model of a nodelet class, `package/Class`."""
         return self.by_name.get(("nodelet", class_name))
+
+    def component(self, class_name: str) -> Model | None:
+        """Return the model of a component's class, `package::Class` (ROS 2)."""
+        return self.by_name.get(("component", class_name))
 
     def gazebo_plugin(self, filename: str) -> Model | None:
         """Return the model of a Gazebo plugin, with or without folder, `lib` and `.so`."""

@@ -7,9 +7,9 @@ from rtron.sources.models.values import Value, has_hole
 from rtron.sources.models.yaml_file import yaml_file
 
 _MAX_DEPTH = 20
-_GROUP = "rviz/Group"
-_TOPIC_KEYS = ("Topic", "Marker Topic", "Update Topic", "Image Topic", "Depth Map Topic")
-_TYPES = {
+_GROUPS = ("rviz/Group", "rviz_common/Group")
+TOPIC_KEYS = ("Topic", "Marker Topic", "Update Topic", "Image Topic", "Depth Map Topic")
+TYPES = {
     "rviz/Camera": "sensor_msgs/Image",
     "rviz/DepthCloud": "sensor_msgs/Image",
     "rviz/Effort": "sensor_msgs/JointState",
@@ -47,22 +47,23 @@ _TOOLS = {
 
 def rviz_subscriptions(config: Value) -> list[dict[str, str]]:
     """Return topic and type of every enabled display of a configuration file."""
-    tree = _manager(config)
+    tree = manager(config)
     if has_hole(tree):
         return [{"topic": str(tree), "type": ""}]
-    return [found for display in _displays(tree.get("Displays"), 0) for found in _shown(display)]
+    return [found for display in displays(tree.get("Displays")) for found in _shown(display)]
 
 
 def rviz_publications(config: Value) -> list[dict[str, str]]:
     """Return topic and type of every tool of a configuration file that publishes."""
-    tree = _manager(config)
-    tools = [] if has_hole(tree) else _mappings(tree.get("Tools"))
+    tree = manager(config)
+    tools = [] if has_hole(tree) else mappings(tree.get("Tools"))
     if has_hole(tree) or not config:
         tools = [{"Class": name} for name in _TOOLS]
     return [_sent(tool) for tool in tools if tool.get("Class") in _TOOLS]
 
 
-def _manager(config: Value) -> Any:  # noqa: ANN401 - a mapping or a hole
+def manager(config: Value) -> Any:  # noqa: ANN401 - a mapping or a hole
+    """Return what stands below `Visualization Manager` in a configuration file; a hole for none."""
     tree = yaml_file(config) if config else {}
     if has_hole(tree):
         return tree
@@ -70,23 +71,24 @@ def _manager(config: Value) -> Any:  # noqa: ANN401 - a mapping or a hole
     return manager if isinstance(manager, Mapping) else {}
 
 
-def _displays(displays: object, depth: int) -> Iterator[Mapping[str, Any]]:
-    for display in _mappings(displays):
+def displays(listed: object, depth: int = 0) -> Iterator[Mapping[str, Any]]:
+    """Yield the displays that are switched on, those of groups too."""
+    for display in mappings(listed):
         if display.get("Enabled", True) is not True or depth > _MAX_DEPTH:
             continue
-        if display.get("Class") == _GROUP:
-            yield from _displays(display.get("Displays"), depth + 1)
+        if display.get("Class") in _GROUPS:
+            yield from displays(display.get("Displays"), depth + 1)
         else:
             yield display
 
 
 def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     kind = str(display.get("Class", ""))
-    for key in _TOPIC_KEYS:
+    for key in TOPIC_KEYS:
         topic = display.get(key)
         if not isinstance(topic, str) or not topic:
             continue
-        yield {"topic": topic, "type": _TYPES.get(kind, "")}
+        yield {"topic": topic, "type": TYPES.get(kind, "")}
         yield from _beside(kind, key, topic)
 
 
@@ -104,6 +106,7 @@ def _sent(tool: Mapping[str, Any]) -> dict[str, str]:
     return {"topic": topic if isinstance(topic, str) and topic else default, "type": type}
 
 
-def _mappings(items: object) -> list[Mapping[str, Any]]:
+def mappings(items: object) -> list[Mapping[str, Any]]:
+    """Return the mappings of a list."""
     found = items if isinstance(items, list) else []
     return [item for item in found if isinstance(item, Mapping)]

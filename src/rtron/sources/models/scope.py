@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from rtron.sources.declaration import NodeSite
 from rtron.sources.models.values import Value
 from rtron.vocabulary.launch import canonical_name
+from rtron.vocabulary.remap_rules import remaps_at
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -13,7 +14,8 @@ class Scope:
     """The two handles of a model and its variables.
 
     Names `a` resolve below `namespace`, names `~a` below `private`; both are absolute. A name that
-    an expression put behind `~` may be absolute itself (`~/scan` is `/scan`).
+    an expression put behind `~` may be absolute itself (`~/scan` is `/scan`). In ROS 2 it is not,
+    and `private` is the full name of the node.
     """
 
     site: NodeSite
@@ -24,7 +26,7 @@ class Scope:
     def resolve(self, name: str) -> str:
         """Return a name as it resolves here, before remapping."""
         own = name.removeprefix("~")
-        if own.startswith("/"):
+        if own.startswith("/") and not (self.is_ros2 and name.startswith("~")):
             return canonical_name(own)
         parent = self.private if name.startswith("~") else self.namespace
         return canonical_name(f"{parent}/{own}")
@@ -32,7 +34,20 @@ class Scope:
     def remapped(self, name: str) -> str:
         """Return a name as it resolves here, after remapping."""
         resolved = self.resolve(name)
+        if self.is_ros2:
+            rules = remaps_at(self.site.remaps, self.private)
+            return next((rule.target for rule in rules if rule.declared == resolved), resolved)
         return dict(self.site.remaps).get(resolved, resolved)
+
+    @property
+    def is_ros2(self) -> bool:
+        """Whether names and parameters are those of ROS 2."""
+        return self.site.ros > 1
+
+    def at_node(self, name: str) -> "Scope":
+        """Return the scope of another node of the process, whose name is relative to this one."""
+        full = self.resolve(name)
+        return replace(self, namespace=full.rpartition("/")[0] or "/", private=full)
 
     def having(self, variables: Mapping[str, Value]) -> "Scope":
         """Return this scope with more variables."""

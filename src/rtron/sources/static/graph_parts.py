@@ -9,7 +9,9 @@ from rtron.vocabulary import (
     Endpoint,
     InteractionGraph,
     Node,
+    NodeParameter,
     Service,
+    ServiceClient,
     Topic,
     Unresolved,
 )
@@ -24,14 +26,18 @@ class GraphParts:
     endpoints: dict[tuple[str, str, Direction, str], Endpoint] = field(default_factory=dict)
     services: dict[Service, None] = field(default_factory=dict)
     actions: dict[Action, None] = field(default_factory=dict)
+    clients: dict[ServiceClient, None] = field(default_factory=dict)
+    parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     unresolved: dict[Unresolved, None] = field(default_factory=dict)
 
-    def put(self, found: Endpoint | Service | Action) -> None:
+    def put(self, found: Endpoint | Service | Action | ServiceClient) -> None:
         """Add what a node has."""
         if isinstance(found, Service):
             self.services[found] = None
         elif isinstance(found, Action):
             self.actions[found] = None
+        elif isinstance(found, ServiceClient):
+            self.clients[found] = None
         else:
             self._add_endpoint(found)
 
@@ -50,6 +56,8 @@ class GraphParts:
             endpoints=endpoints,
             services=tuple(self.services),
             actions=tuple(self.actions),
+            clients=tuple(self.clients),
+            parameters=tuple(self.parameters.values()),
             unresolved=tuple(self.unresolved),
         )
 

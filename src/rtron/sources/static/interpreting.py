@@ -50,7 +50,9 @@ class Interpreting:
     def _with_interface(self, part: Part, results: Mapping[int, TaskResult]) -> Part:
         read = results[id(part.task)].interface if part.task is not None else None
         if part.model is not None:
-            modelled = _placed(interface(part.model, part.node.site, models=self.models), part)
+            site = part.node.site
+            site = replace(site, remaps=part.node.rules) if site.ros > 1 else site
+            modelled = _placed(interface(part.model, site, models=self.models), part)
             if read is not None:
                 modelled = _with_new(modelled, read)
             elif self.workspace.trust(part.node.package) is Trust.OWN:

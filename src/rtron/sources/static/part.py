@@ -47,7 +47,7 @@ class Part:
 def parts_of(node: AppNode, workspace: Workspace, models: Models) -> Iterator[Part]:
     """Yield what a node runs: source where it is there, and a model that goes before it."""
     if node.site.ros > 1:
-        yield _ros2_part(Part(node=node, owner=node.name), workspace)
+        yield _ros2_part(Part(node=node, owner=node.name), workspace, models)
         return
     model = models.node(node.package, node.type)
     own = Part(node=node, owner=node.name)
@@ -70,18 +70,20 @@ def _chosen(own: Part, program: Program | None, model: Model | None) -> Part:
     return own.missing(what, "no source of it is here, and no model")
 
 
-def _ros2_part(part: Part, workspace: Workspace) -> Part:
-    """Return what a node of ROS 2 runs: its source. The models are of nodes of ROS 1."""
+def _ros2_part(part: Part, workspace: Workspace, models: Models) -> Part:
+    """Return what a node of ROS 2 runs: its source, or else a model of it."""
     node = part.node
-    what = f"node {node.name} ({node.package}/{node.type})"
-    if node.package not in workspace.packages:
-        why = "its package is not here: give the folder of its source too"
-        return part.missing(what, why)
+    is_here = node.package in workspace.packages
     found = component_task if node.container else executable_task
-    task = found(workspace, node.package, node.type, node.site)
-    if task is None:
-        return part.missing(what, "its program is not in the build files of its package")
-    return replace(part, task=task)
+    task = found(workspace, node.package, node.type, node.site) if is_here else None
+    if task is not None:
+        return replace(part, task=task)
+    model = models.component(node.type) or models.node(node.package, node.type)
+    if model is not None:
+        return replace(part, model=model)
+    why = "its package is not here: give the folder of its source too"
+    why = "its program is not in the build files of its package" if is_here else why
+    return part.missing(f"node {node.name} ({node.package}/{node.type})", why)
 
 
 def _nodelet_parts(loader: Part, workspace: Workspace, models: Models) -> Iterator[Part]:

@@ -8,12 +8,14 @@ from rtron.errors import InputError
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.launch2.app import read_app_launch
 from rtron.sources.launch2.result import AppLaunch
+from rtron.sources.models import LIBRARY2, load_models
 from rtron.sources.static.cache import open_cache
 from rtron.sources.static.interpreting import Interpreting
 from rtron.sources.static.launched import Launch
 from rtron.sources.static.options import ScanOptions
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.ros2_assembly import Ros2Assembly
+from rtron.sources.static.ros2_controllers import ControllerNodes
 from rtron.sources.static.ros2_known import with_known
 from rtron.sources.static.ros2_scan import ros2_workspace
 from rtron.sources.static.ros2_started import StartedNodes
@@ -39,15 +41,18 @@ def scan_ros2_app(
     started = StartedNodes(workspace=workspace, environ=environ)
     nodes = list(started.nodes([start for launch in read for start in launch.starts]))
     state = workspace_state(workspace) if chosen.cache else ""
+    models = load_models(LIBRARY2)
     interpreting = Interpreting(
         workspace=workspace,
         cache=open_cache(chosen.cache, state),
         pool=Pool(workspace, chosen.workers, chosen.seconds),
         progress=chosen.progress,
+        models=models,
     )
     assembly = Ros2Assembly(workspace=workspace)
     with closing(interpreting):
-        for part in interpreting.parts(nodes):
+        parts = interpreting.parts(nodes)
+        for part in (*parts, *ControllerNodes(models, files).parts(parts)):
             assembly.add(with_known(part, files))
     assembly.note(*(note for launch in read for note in launch.unresolved))
     assembly.note(*started.notes.unresolved)

@@ -33,6 +33,8 @@ class Ros2Assembly(GraphParts):
             rules = (*made.remaps, *(part.node.rules if made.globally else ()))
             for found in joined(made.name, declared[made.name], Rules(rules, made.name)):
                 self.put(found)
+        for parameter in part.interface.parameters:
+            self.parameters[parameter.node, parameter.name] = parameter
         self.note(*part.interface.unresolved)
         for started in part.interface.starts:
             what = f"launch {started.path} that {part.owner} starts"

@@ -1,6 +1,6 @@
 """From what a node of ROS 2 declares to the graph: remap rules, services, actions as units."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from rtron.sources.declaration import Declaration, DeclarationKind
@@ -12,6 +12,7 @@ from rtron.vocabulary import (
     Endpoint,
     Resolution,
     Service,
+    ServiceClient,
 )
 from rtron.vocabulary.remap_rules import Rule, remaps_at
 
@@ -22,6 +23,10 @@ _DIRECTIONS = {
 _ROLES = {
     DeclarationKind.ACTION_CLIENT: ActionRole.CLIENT,
     DeclarationKind.ACTION_SERVER: ActionRole.SERVER,
+}
+_SERVICES: Mapping[DeclarationKind, type[Service | ServiceClient]] = {
+    DeclarationKind.SERVICE: Service,
+    DeclarationKind.SERVICE_CLIENT: ServiceClient,
 }
 _GOALS = f"/_action/{ActionEnd.SEND_GOAL.value}"
 
@@ -41,14 +46,15 @@ class Rules:
 
 def joined(
     node: str, declarations: Iterable[Declaration], rules: Rules
-) -> Iterator[Endpoint | Service | Action]:
-    """Yield what the graph has of a node's declarations; clients of services are not in it."""
+) -> Iterator[Endpoint | Service | Action | ServiceClient]:
+    """Yield what the graph has of a node's declarations."""
     for declared in declarations:
         if declared.kind in _DIRECTIONS:
             yield _endpoint(node, declared, rules)
-        elif declared.kind is DeclarationKind.SERVICE:
+        elif declared.kind in _SERVICES:
             name, implicit = rules(declared.name), declared.implicit
-            yield Service(node=node, name=name, type=declared.type, implicit=implicit)
+            sort = _SERVICES[declared.kind]
+            yield sort(node=node, name=name, type=declared.type, implicit=implicit)
         elif declared.kind in _ROLES:
             name = rules(declared.name + _GOALS).removesuffix(_GOALS)
             role = _ROLES[declared.kind]

@@ -6,10 +6,19 @@ from dataclasses import replace
 from rtron.sources.code.natives.ros2_endpoints import PARAMETER_SERVICES
 from rtron.sources.code.natives.ros2_qos import PROFILES
 from rtron.sources.code.reading import WorkspaceFiles
-from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
+from rtron.sources.declaration import (
+    Declaration,
+    DeclarationKind,
+    NodeInterface,
+    NodeSite,
+    plain_value,
+)
+from rtron.sources.launch2.parameters import names as covers
+from rtron.sources.models import Model
 from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_bridge import bridge
 from rtron.sources.static.ros2_given import given_value
+from rtron.vocabulary import NodeParameter
 
 _CONTAINERS, _BRIDGE = "rclcpp_components", ("ros_gz_bridge", "parameter_bridge")
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
@@ -38,7 +47,36 @@ def with_known(part: Part, files: WorkspaceFiles) -> Part:
         return replace(part, interface=interface)
     if part.task is None and (node.package, node.type) == _BRIDGE:
         return replace(part, interface=_bridge(part, files))
+    if part.model is not None:
+        return replace(part, interface=_modelled(part, part.model))
     return part
+
+
+def _modelled(part: Part, model: Model) -> NodeInterface:
+    """Return what a model says, and what every node of its client library has.
+
+    A node that a library makes for itself alone has none of it (tf2_ros: TransformListener).
+    """
+    found = part.interface
+    used = {declared.node for declared in found.declarations if not declared.implicit}
+    names = [m.name for i, m in enumerate(found.nodes) if m.name in used or not i]
+    topics = [one for name in names for one in _topics(part, name, python=model.is_python)]
+    services = [one for name in names for one in _services(part, name, _EVERY)]
+    return replace(
+        found,
+        declarations=(*found.declarations, *topics, *services),
+        parameters=tuple(_parameters(part.node.site, names)),
+    )
+
+
+def _parameters(site: NodeSite, names: list[str]) -> Iterator[NodeParameter]:
+    """Yield what the launch gives to nodes; their defaults are not in the models."""
+    for node in names:
+        given = {s.name: s.value for s in site.settings if covers(s.node, node)}
+        given |= dict(site.overrides) if node == names[0] else {}
+        given.pop("use_sim_time", None)
+        for name, value in given.items():
+            yield NodeParameter(node=node, name=name, value=plain_value(value))
 
 
 def _bridge(part: Part, files: WorkspaceFiles) -> NodeInterface:
@@ -51,10 +89,10 @@ def _bridge(part: Part, files: WorkspaceFiles) -> NodeInterface:
     return replace(own, declarations=(*own.declarations, *implied))
 
 
-def _topics(part: Part, name: str) -> Iterator[Declaration]:
-    """Yield the topics that every node of rclcpp joins."""
+def _topics(part: Part, name: str, *, python: bool = False) -> Iterator[Declaration]:
+    """Yield the topics that every node joins; rclpy hears no events of parameters."""
     clock = (_CLOCK,) if _is_simulated(part.node.site, name) else ()
-    for kind, topic, type in (*_TOPICS, *clock):
+    for kind, topic, type in (*_TOPICS[: 2 if python else 3], *clock):
         yield Declaration(
             kind=kind,
             name=f"/{topic}",

@@ -21,7 +21,7 @@ from rtron.sources.declaration import (
     NodeSite,
     StartedLaunch,
 )
-from rtron.vocabulary import Evidence, QoS, Resolution, Unresolved
+from rtron.vocabulary import Evidence, NodeParameter, PlainValue, QoS, Resolution, Unresolved
 from rtron.vocabulary.launch import resolve_name
 
 MAX_DECLARATIONS = 2000
@@ -38,6 +38,7 @@ class Recorder:
         default_factory=dict
     )
     _nodes: dict[str, MadeNode] = field(default_factory=dict)
+    _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     _starts: dict[StartedLaunch, None] = field(default_factory=dict)
     _unresolved: dict[Unresolved, None] = field(default_factory=dict)
 
@@ -72,6 +73,14 @@ class Recorder:
         if not self.muted and len(self._nodes) < MAX_DECLARATIONS:
             self._nodes.setdefault(made.name, made)
 
+    def parameter(self, node: str, name: str, value: PlainValue | None) -> None:
+        """Record a parameter that a node declares; one that may be this or that is not known."""
+        if not self.muted and len(self._parameters) < MAX_DECLARATIONS:
+            found = NodeParameter(node=node, name=name, value=value)
+            known = self._parameters.setdefault((node, name), found)
+            if known != found:
+                self._parameters[node, name] = replace(found, value=None)
+
     def likely(self, name: Value) -> tuple[Value, ...]:
         """Return what to report of a name: where no launch is known, a default is the answer."""
         found = options(name)
@@ -100,6 +109,7 @@ class Recorder:
             declarations=tuple(self._declarations.values()),
             starts=tuple(self._starts),
             unresolved=tuple(self._unresolved),
+            parameters=tuple(self._parameters.values()),
         )
 
     def _add(self, declared: Declaration) -> None:

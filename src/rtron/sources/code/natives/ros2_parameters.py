@@ -23,8 +23,11 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.natives.names import value_of
 from rtron.sources.code.natives.ros2_nodes import NAME, name_of
+from rtron.sources.declaration import plain_value
+from rtron.vocabulary import PlainValue
 
 OVERRIDES = "node.overrides"
+_SIMULATED = "use_sim_time"
 _PARTS = {"/**": "(?:/[^/]+)*", "/*": "/[^/]+"}
 
 
@@ -84,8 +87,26 @@ def _declared(machine: Machine, node: Value, name: Value, default: Value | None)
     if key in machine.parameters:
         return machine.parameters[key]
     value = _overridden(machine, node, name, default)
+    _told(machine, node, name, value)
     machine.trail.set(machine.parameters, key, value)
     return value
+
+
+def _told(machine: Machine, node: Value, name: Value, value: Value) -> None:
+    """Record a parameter whose name is known; every node has use_sim_time."""
+    if isinstance(name, Known) and name.value != _SIMULATED:
+        for owner in options(name_of(node)):
+            machine.recorder.parameter(spelled(owner), str(name.value), plain(value))
+
+
+def plain(value: Value) -> PlainValue | None:
+    """Return what a parameter holds, None where that is not known or no parameter's."""
+    if isinstance(value, ListValue) and not value.open:
+        items = [plain(item) for item in value.items]
+        found = tuple(item for item in items if isinstance(item, (bool, int, float, str)))
+        return found if len(found) == len(items) else None
+    held = value.value if isinstance(value, Known) else None
+    return plain_value(held)
 
 
 def _overridden(machine: Machine, node: Value, name: Value, default: Value | None) -> Value:

@@ -1,0 +1,71 @@
+"""What an rviz of ROS 2 shows and sends, from its configuration file (docs.ros.org: rviz2)."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rtron.sources.models.rviz import TOPIC_KEYS, TYPES, displays, manager, mappings
+from rtron.sources.models.values import Value, has_hole
+
+_TOOLS = {
+    "SetInitialPose": ("initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
+    "SetGoal": ("goal_pose", "geometry_msgs/msg/PoseStamped"),
+    "PublishPoint": ("clicked_point", "geometry_msgs/msg/PointStamped"),
+}
+_UPDATES = "map_msgs/msg/OccupancyGridUpdate"
+_ROS1, _PACKAGE = "rviz/", "rviz_default_plugins/"
+
+
+def rviz2_subscriptions(config: Value) -> list[dict[str, str]]:
+    """Return topic, type and qos of every enabled display of a configuration file."""
+    tree = manager(config)
+    if has_hole(tree):
+        return [{"topic": str(tree)}]
+    return [found for display in displays(tree.get("Displays")) for found in _shown(display)]
+
+
+def rviz2_publications(config: Value) -> list[dict[str, str]]:
+    """Return topic, type and qos of every tool of a configuration file that publishes."""
+    tree = manager(config)
+    tools = [] if has_hole(tree) else mappings(tree.get("Tools"))
+    if has_hole(tree) or not config:
+        tools = [{"Class": _PACKAGE + name} for name in _TOOLS]
+    return [sent for tool in tools for sent in _sent(tool)]
+
+
+def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+    type = _type(str(display.get("Class", "")))
+    for key in TOPIC_KEYS:
+        topic = display.get(key)
+        if isinstance(topic, Mapping) and isinstance(topic.get("Value"), str) and topic["Value"]:
+            shown = _UPDATES if key == "Update Topic" else type
+            yield {"topic": topic["Value"], "type": shown, "qos": _qos(topic)}
+
+
+def _type(kind: str) -> str:
+    package, _, name = TYPES.get(kind.replace(_PACKAGE, _ROS1, 1), "").partition("/")
+    return f"{package}/msg/{name}" if name else ""
+
+
+def _sent(tool: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+    kind = str(tool.get("Class", ""))
+    if kind.removeprefix(_PACKAGE) not in _TOOLS or not kind.startswith(_PACKAGE):
+        return
+    default, type = _TOOLS[kind.removeprefix(_PACKAGE)]
+    topic = tool.get("Topic")
+    topic = topic if isinstance(topic, Mapping) else {}
+    name = topic.get("Value")
+    yield {
+        "topic": name if isinstance(name, str) and name else default,
+        "type": type,
+        "qos": _qos(topic),
+    }
+
+
+def _qos(topic: Mapping[str, Any]) -> str:
+    """Return the quality of service in the words of models."""
+    reliable = topic.get("Reliability Policy", "Reliable") != "Best Effort"
+    keeps = topic.get("Durability Policy", "Volatile") == "Transient Local"
+    depth = topic.get("Depth", 5)
+    words = [str(depth) if isinstance(depth, int) and depth >= 0 else "5"]
+    words += [] if reliable else ["best_effort"]
+    return " ".join([*words, "transient_local"] if keeps else words)

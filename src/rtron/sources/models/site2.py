@@ -1,0 +1,20 @@
+"""Where a modelled node of ROS 2 runs: its own name, and its own remap rules."""
+
+import shlex
+from dataclasses import replace
+
+from rtron.sources.declaration import NodeSite
+from rtron.sources.models.expressions import Expressions
+from rtron.sources.models.form import Model
+from rtron.sources.models.scope import scope_at
+from rtron.vocabulary.launch import canonical_name
+from rtron.vocabulary.remap_rules import rules_in
+
+
+def ros2_site(model: Model, site: NodeSite) -> NodeSite:
+    """Return a site with its own remap rules, and the node's own name if its launch gives none."""
+    site = replace(site, remaps=(*rules_in(shlex.join(site.args), ros=False), *site.remaps))
+    if site.named or not model.name or any(word.startswith("__node:=") for word in site.args):
+        return site
+    own = Expressions(scope_at(site)).text(model.name)
+    return replace(site, name=canonical_name(f"{site.name.rpartition('/')[0]}/{own}"))

@@ -1,0 +1,119 @@
+"""Controllers of ros2_control: nodes that a controller manager makes when a spawner asks for them.
+
+control.ros.org: controller_manager. Remaps of the manager's process count, as they did up to Iron;
+later ones come with the spawner's `--controller-ros-args`.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.declaration import NodeInterface, NodeSite, ParameterSetting
+from rtron.sources.launch2.parameter_file import entries_of, tree_of
+from rtron.sources.models import Models, interface
+from rtron.sources.models.arguments import option, positional
+from rtron.sources.models.form import NodeRole
+from rtron.sources.static.node import AppNode
+from rtron.sources.static.part import Part
+from rtron.sources.static.ros2_given import given_value
+from rtron.vocabulary import Unresolved
+from rtron.vocabulary.remap_rules import Rule, expanded, rules_in
+
+_MANAGER, _TYPE = "-c --controller-manager", "-t --controller-type"
+_FILES, _ARGUMENTS = ("-p", "--param-file"), ("--controller-ros-args",)
+_VALUED = (
+    f"{_MANAGER} {_TYPE} -n --namespace -p --param-file --controller-ros-args "
+    "--controller-manager-timeout --switch-timeout --service-call-timeout"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerNodes:
+    """Finds what the spawners among an app's parts load."""
+
+    models: Models
+    files: WorkspaceFiles
+
+    def parts(self, parts: Iterable[Part]) -> Iterator[Part]:
+        """Yield a part for each controller."""
+        parts = tuple(parts)
+        hosts = {
+            part.interface.nodes[0].name: part.node
+            for part in parts
+            if self._role(part) is NodeRole.CONTROLLER_MANAGER and part.interface.nodes
+        }
+        for spawner in (p for p in parts if self._role(p) is NodeRole.CONTROLLER_SPAWNER):
+            args = spawner.node.site.args
+            manager = option(args, _MANAGER) or "controller_manager"
+            manager = expanded(manager, spawner.node.name)
+            for name in positional(args, _VALUED):
+                yield self._part(name, manager, spawner, hosts.get(manager))
+
+    def _role(self, part: Part) -> NodeRole | None:
+        model = self.models.node(part.node.package, part.node.type)
+        return model.role if model else None
+
+    def _part(self, name: str, manager: str, spawner: Part, host: AppNode | None) -> Part:
+        try:
+            site = self._site(name, manager, spawner.node, host)
+        except InputError as error:
+            return _missing(spawner, name, str(error))
+        args = spawner.node.site.args
+        given = option(args, _TYPE) or given_value(site, manager, f"{name}.type")
+        model = self.models.controller(given) if isinstance(given, str) else None
+        if not isinstance(given, str) or model is None:
+            return _missing(spawner, site.name, _why(given, manager, host))
+        package = given.partition("/")[0]
+        rules = (*_rules(args), *(host.rules if host else ()))
+        node = replace(spawner.node, site=site, package=package, type=given, rules=rules)
+        found = interface(model, replace(site, remaps=rules), models=self.models)
+        declared = tuple(
+            replace(d, evidence=(node.evidence, *d.evidence)) for d in found.declarations
+        )
+        found = replace(found, declarations=declared)
+        return Part(node=node, owner=site.name, model=model, interface=found)
+
+    def _site(self, name: str, manager: str, spawner: AppNode, host: AppNode | None) -> NodeSite:
+        settings = host.site.settings if host else ()
+        files = _after(spawner.site.args, _FILES)
+        return NodeSite(
+            name=expanded(name, manager),
+            ros=2,
+            environ=spawner.site.environ,
+            settings=(*settings, *(one for path in files for one in self._settings(path))),
+        )
+
+    def _settings(self, path: str) -> Iterator[ParameterSetting]:
+        text = self.files.text(Path(path))
+        if text is None:
+            raise InputError("is not in the folders that are read", path=path)
+        for node, values in entries_of(tree_of(text, path), path):
+            for name, found in values.items():
+                yield ParameterSetting(node=node, name=name, value=found.value)
+
+
+def _after(args: Iterable[str], options: Iterable[str]) -> list[str]:
+    """Return the words behind every one of some options."""
+    return [word for before, word in pairwise(args) if before in options]
+
+
+def _rules(args: Iterable[str]) -> Iterator[Rule]:
+    for text in _after(args, _ARGUMENTS):
+        yield from rules_in(text, ros=True)
+
+
+def _missing(spawner: Part, name: str, why: str) -> Part:
+    """Return the spawner with a note of a controller instead of all that it declares."""
+    note = Unresolved(what=f"controller {name}", why=why, evidence=(spawner.node.evidence,))
+    nodes = spawner.interface.nodes
+    return replace(spawner, interface=NodeInterface(nodes=nodes, unresolved=(note,)))
+
+
+def _why(type: object, manager: str, host: AppNode | None) -> str:
+    if isinstance(type, str):
+        return f"no model of {type[:80]}"
+    here = "" if host else f", and nothing here starts {manager}"
+    return f"its parameter type is not known{here}"
