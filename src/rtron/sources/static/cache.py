@@ -85,7 +85,7 @@ class Cache:
             *map(str, task.sources),
             task.cls,
             repr((site.name, site.args, site.remaps, site.environ, site.complete)),
-            repr((site.ros, site.named, site.placed, site.settings, site.overrides)),
+            repr((site.ros, site.named, site.placed, site.settings, site.overrides, site.loading)),
             self._parameters_hash(site.parameters),
         )
         return digest_of(parts) + _ENDING

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtron.sources.declaration import NodeSite, ParameterSetting
+from rtron.sources.declaration import Loading, NodeSite, ParameterSetting
 from rtron.sources.launch2.parameters import ParameterSource
 from rtron.sources.launch2.result import Start, StartKind
 from rtron.sources.static.node import AppNode
@@ -55,7 +55,7 @@ class StartedNodes:
         return _app_node(start, site, start)
 
     def _component(self, start: Start, host: Start | None) -> AppNode:
-        """Return a component: its process's arguments are those of the container."""
+        """Return a component, which its container loads: the process is the container's."""
         if host is None:
             what, why = f"component {start.full_name}", "no launch file that is read starts it"
             self.notes.add(what, f"its container is {start.container}: {why}", start.evidence)
@@ -63,12 +63,17 @@ class StartedNodes:
             name=_name(start, start.program.rpartition("::")[2]),
             ros=2,
             args=tuple(_words(start)),
-            named=False,
-            placed=False,
-            complete=start.complete and host is not None and host.complete,
+            named=host is not None and bool(host.name),
+            placed=host is not None and host.placed,
+            complete=start.complete,
             environ=self._environ(host or start),
             settings=tuple(_settings(host.sources)) if host else (),
             overrides=tuple((name, one.value) for name, one in start.parameters().items()),
+            loading=Loading(
+                container=start.container,
+                known=host is not None and host.complete,
+                options=tuple((name, one.value) for name, one in start.extra.items()),
+            ),
         )
         return _app_node(start, site, host)
 

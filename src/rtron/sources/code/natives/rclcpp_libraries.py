@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.items import listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     TRUE,
@@ -20,7 +21,14 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.natives import ros2_endpoints
 from rtron.sources.code.natives.cpp_arguments import escape_all, message_of, take_callbacks
 from rtron.sources.code.natives.rclcpp_endpoints import owned
-from rtron.sources.code.natives.ros2_nodes import NAME, NodeWords, node_among, record
+from rtron.sources.code.natives.ros2_nodes import (
+    NAME,
+    NodeWords,
+    full_name,
+    name_of,
+    node_among,
+    record,
+)
 from rtron.sources.code.natives.ros2_qos import PROFILES, is_qos, qos_of
 from rtron.sources.declaration import DeclarationKind
 
@@ -52,10 +60,14 @@ def _transforms(
 
 
 def own_node(machine: Machine, prefix: str, at: Arguments) -> Instance:
-    """Return a node that a library makes for itself; its name ends in what only the run knows."""
-    name = Text((f"/{prefix}", Hole("id")))
-    node = Instance(NativeClass("node"), {NAME: name})
-    record(machine, name, NodeWords(name=name, globally=False), at)
+    """Return a node that a library makes for itself; its name ends in what only the run knows.
+
+    Its own arguments name it (tf2_ros: TransformListener); the rest of the process's count for it.
+    """
+    name = Text((f"__node:={prefix}", Hole("id")))
+    words = NodeWords(name=Hole("id"), arguments=listed((Known("-r"), name)))
+    node = Instance(NativeClass("node"), {NAME: full_name(machine, words)})
+    record(machine, name_of(node), words, at)
     return node
 
 

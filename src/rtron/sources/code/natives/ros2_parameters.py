@@ -22,7 +22,7 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 from rtron.sources.code.natives.names import value_of
-from rtron.sources.code.natives.ros2_nodes import NAME, name_of
+from rtron.sources.code.natives.ros2_nodes import NAME, name_of, takes_globals
 
 OVERRIDES = "node.overrides"
 _PARTS = {"/**": "(?:/[^/]+)*", "/*": "/[^/]+"}
@@ -63,19 +63,24 @@ def setting(machine: Machine, node: Value, name: Value) -> Value | None:
     own = node.fields.get(OVERRIDES) if isinstance(node, Instance) else None
     if isinstance(own, ListValue):
         for item in reversed(own.items):
-            if isinstance(item, Instance) and item.fields.get("name") == name:
+            if isinstance(item, Instance) and _is_called(item.fields.get("name"), name):
                 return item.fields.get("value", NONE)
     full, found = spelled(name_of(node)), None
-    for one in machine.recorder.site.settings:
+    for one in machine.recorder.site.settings if takes_globals(node) else ():
         if one.name == name.value and _pattern(one.node).fullmatch(full):
             found = one
     return None if found is None else value_of(found.value, short(machine, node, found.name))
 
 
+def _is_called(given: Value | None, name: Known) -> bool:
+    return isinstance(given, Known) and given.value == name.value
+
+
 def short(machine: Machine, node: Value, name: str) -> str:
     """Return a parameter as a note spells it: `~topic` of the site's node, `/other/topic`."""
     full = spelled(name_of(node))
-    own = machine.recorder.site.name == full or not machine.recorder.site.named
+    site = machine.recorder.site
+    own = site.name == full or not (site.named or site.loading)
     return f"~{name}" if own else f"{full}/{name}"
 
 
@@ -96,7 +101,7 @@ def _overridden(machine: Machine, node: Value, name: Value, default: Value | Non
     if default is None or is_kind(default):
         return hole
     marked = _marked(default)
-    if found is None and machine.recorder.site.complete:
+    if found is None and _all_known(machine, node):
         return marked
     return _with_one_more(marked, hole) or join((marked, hole))
 
@@ -114,9 +119,16 @@ def _known(machine: Machine, node: Value, name: Value) -> Value | None:
     if key in machine.parameters:
         return machine.parameters[key]
     found = setting(machine, node, name)
-    if found is None and not machine.recorder.site.complete:
+    if found is None and not _all_known(machine, node):
         return Hole(short(machine, node, spelled(name)), tainted=True)
     return found
+
+
+def _all_known(machine: Machine, node: Value) -> bool:
+    """Tell whether all that is set for a node is known."""
+    site = machine.recorder.site
+    process = site.loading is None or site.loading.known or not takes_globals(node)
+    return site.complete and process
 
 
 def is_kind(default: Value) -> bool:
