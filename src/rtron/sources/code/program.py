@@ -206,6 +206,7 @@ def _bounded(machine: Machine, path: Path, run: Callable[[], object]) -> None:
     if machine.recorder.site.ros > 1:
         _part(machine, path, partial(run_transitions, machine))
         machine.volatile = changed_at_any_time(machine)
+        machine.recorder.spun = True
     _part(machine, path, partial(run_pending, machine))
 
 

@@ -132,6 +132,7 @@ def _make_deferred(machine: Machine) -> None:
 
 def _run(machine: Machine, waiting: FunctionValue) -> None:
     function = waiting.function
+    machine.recorder.setting = any(function is setter for setter in machine.setters)
     place = Evidence(file=function.file, line=function.line)
     try:
         with machine.budget(MAX_STEPS if machine.recorder.site.ros == 1 else MAX_STEPS_2):

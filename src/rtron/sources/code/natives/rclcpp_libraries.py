@@ -29,6 +29,7 @@ from rtron.sources.code.natives.ros2_nodes import (
     node_among,
     record,
 )
+from rtron.sources.code.natives.ros2_parameters import watch_changes
 from rtron.sources.code.natives.ros2_qos import PROFILES, is_qos, qos_of
 from rtron.sources.declaration import DeclarationKind
 
@@ -165,7 +166,13 @@ def _event_handler(machine: Machine, arguments: Arguments) -> Value:
     if node is not None:
         name, type = Known("/parameter_events"), "rcl_interfaces/msg/ParameterEvent"
         ros2_endpoints.declare(machine, _SUBSCRIBE, node, name, type, arguments, implicit=True)
-    return Instance(_UPDATER, {"truth": TRUE})
+    return Instance(_EVENT_HANDLER, {"truth": TRUE})
+
+
+def _take_changes(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+    """`add_parameter_callback(name, callback)` and its kin."""
+    watch_changes(machine, arguments)
+    return take_callbacks(machine, owner, arguments)
 
 
 def _callbacks(machine: Machine, arguments: Arguments) -> Value:
@@ -176,9 +183,12 @@ def _callbacks(machine: Machine, arguments: Arguments) -> Value:
 _LIBRARY = NativeClass("library")
 _UPDATER = NativeClass(
     "updater",
+    methods=dict.fromkeys(("add", "registerCallback"), take_callbacks),
+)
+_EVENT_HANDLER = NativeClass(
+    "rclcpp::ParameterEventHandler",
     methods=dict.fromkeys(
-        ("add", "registerCallback", "add_parameter_callback", "add_parameter_event_callback"),
-        take_callbacks,
+        ("add_parameter_callback", "add_parameter_event_callback"), _take_changes
     ),
 )
 _FILTER = NativeClass(

@@ -24,6 +24,7 @@ from rtron.sources.code.natives.ros2_parameters import (
     declared,
     is_declared,
     known,
+    watch_changes,
     written,
 )
 
@@ -133,10 +134,16 @@ def set_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value
 
 
 def watch(machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    """`add_on_set_parameters_callback(…)` and its kin."""
+    """`register_on_configure(…)` and its kin."""
     del owner
     escape_all(machine, arguments)
     return Hole("handle")
+
+
+def _watch_parameters(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+    """`add_on_set_parameters_callback(…)` and its kin."""
+    watch_changes(machine, arguments)
+    return watch(machine, owner, arguments)
 
 
 def _make_parameter(_: Machine, arguments: Arguments) -> Value:
@@ -198,6 +205,6 @@ PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
             "add_post_set_parameters_callback",
             "add_pre_set_parameters_callback",
         ),
-        watch,
+        _watch_parameters,
     ),
 }

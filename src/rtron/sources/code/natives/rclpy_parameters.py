@@ -21,7 +21,13 @@ from rtron.sources.code.interpreter.values import (
     concat,
     join,
 )
-from rtron.sources.code.natives.ros2_parameters import declared, is_declared, known, written
+from rtron.sources.code.natives.ros2_parameters import (
+    declared,
+    is_declared,
+    known,
+    watch_changes,
+    written,
+)
 
 _UNKNOWN = Hole("?")
 _VALUES = (
@@ -127,6 +133,7 @@ def _set(machine: Machine, owner: Value, arguments: Arguments) -> Value:
 
 
 def _watch(machine: Machine, _: Value, arguments: Arguments) -> Value:
+    watch_changes(machine, arguments)
     machine.escape(arguments.get(0, "callback"))
     return NONE
 

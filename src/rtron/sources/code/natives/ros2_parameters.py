@@ -7,11 +7,13 @@ for one part and `**` for any number of them.
 import re
 from functools import lru_cache
 
+from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     NONE,
     Choice,
     Foreign,
+    FunctionValue,
     Hole,
     Instance,
     Known,
@@ -74,6 +76,12 @@ def setting(machine: Machine, node: Value, name: Value) -> Value | None:
 
 def _is_called(given: Value | None, name: Known) -> bool:
     return isinstance(given, Known) and given.value == name.value
+
+
+def watch_changes(machine: Machine, arguments: Arguments) -> None:
+    """Remember the functions that a change of parameters calls."""
+    for value in (*arguments.values, *arguments.keywords.values()):
+        machine.setters += [o.function for o in options(value) if isinstance(o, FunctionValue)]
 
 
 def short(machine: Machine, node: Value, name: str) -> str:
