@@ -162,6 +162,23 @@ def _waiting(machine: Machine) -> Iterator[FunctionValue]:
             for method in _methods(machine, instance):
                 if _counts(machine, method.function):
                     yield method
+    if machine.recorder.site.ros > 1:
+        yield from _asked(machine)
+
+
+def _asked(machine: Machine) -> Iterator[FunctionValue]:
+    """Yield methods of a program's objects that are called of an object which is not known."""
+    for instance in list(machine.instances):
+        for name in sorted(_own_names(machine, instance) & machine.asked):
+            found = machine.world.attribute(instance, name, ())
+            if isinstance(found, FunctionValue) and _counts(machine, found.function):
+                yield found
+
+
+def _own_names(machine: Machine, instance: Value) -> set[str]:
+    lineage = machine.world.lineage(instance.type) if isinstance(instance, Instance) else ()
+    classes = [cls.definition for cls in lineage if isinstance(cls, ClassValue)]
+    return {name for cls in classes for name in machine.world.method_names(cls)}
 
 
 def _called(machine: Machine) -> Iterator[FunctionValue]:
