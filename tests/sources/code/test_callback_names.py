@@ -85,3 +85,27 @@ def test_what_a_change_of_parameters_makes_for_the_first_time_is_in_the_graph():
     body = f"handle_ = add_on_set_parameters_callback({CHANGES});"
     found = cpp(body, members=CPP_MEMBERS)
     assert written(found)[0] == "subscribe /ns/{as_string()} std_msgs/msg/Bool"
+
+
+ASKED = """
+class Tool { public: virtual ~Tool() = default; virtual void grasp() = 0; };
+class Hand : public Tool {
+public:
+  explicit Hand(rclcpp::Node * node) : node_(node) {}
+  void grasp() override { node_->create_publisher<std_msgs::msg::Bool>("hand", 1); }
+  void never() { node_->create_publisher<std_msgs::msg::Bool>("never", 1); }
+  rclcpp::Node * node_;
+};
+"""
+
+
+def test_a_method_that_is_called_of_an_unknown_object_runs_on_the_one_that_there_is():
+    body = """
+    Hand hand(this); keep(&hand);
+    sub_ = create_subscription<std_msgs::msg::String>("name", 1,
+      [this](std_msgs::msg::String::ConstSharedPtr name) { look_up(name->data)->grasp(); });
+    """
+    assert written(cpp(body, top=ASKED)) == [
+        "subscribe /ns/name std_msgs/msg/String",
+        "publish /ns/hand std_msgs/msg/Bool",
+    ]

@@ -157,13 +157,18 @@ def _waiting(machine: Machine) -> Iterator[FunctionValue]:
     yield from _called(machine)
     for instance in list(machine.instances):
         if isinstance(instance, Instance):
-            yield from _destructor(machine, instance)
-        if isinstance(instance, Instance) and _has_unknown_base(machine, instance):
-            for method in _methods(machine, instance):
-                if _counts(machine, method.function):
-                    yield method
+            yield from _of_instance(machine, instance)
     if machine.recorder.site.ros > 1:
         yield from _asked(machine)
+
+
+def _of_instance(machine: Machine, instance: Instance) -> Iterator[FunctionValue]:
+    """Yield an object's destructor, and the methods that an unknown base class may call."""
+    yield from _destructor(machine, instance)
+    if _has_unknown_base(machine, instance):
+        for method in _methods(machine, instance):
+            if _counts(machine, method.function):
+                yield method
 
 
 def _asked(machine: Machine) -> Iterator[FunctionValue]:

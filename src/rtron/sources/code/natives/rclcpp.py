@@ -10,6 +10,7 @@ from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_CLASSES
 from rtron.sources.code.natives.rclcpp_plugins import PLUGIN_CLASSES
 from rtron.sources.code.natives.rclcpp_qos import QOS_CLASSES, QOS_CONSTANTS, QOS_FUNCTIONS
 from rtron.sources.code.natives.rclcpp_trees import TREE_CLASSES, TREE_FUNCTIONS
+from rtron.sources.code.natives.ros2_kinds import KIND_CONSTANTS
 
 RCLCPP_CLASSES: dict[str, NativeClass] = {
     **NODE_CLASSES,
@@ -30,4 +31,4 @@ RCLCPP_FUNCTIONS = {
         **TREE_FUNCTIONS,
     }.items()
 }
-RCLCPP_CONSTANTS: dict[str, Value] = dict(QOS_CONSTANTS)
+RCLCPP_CONSTANTS: dict[str, Value] = {**QOS_CONSTANTS, **KIND_CONSTANTS}

@@ -8,11 +8,10 @@ import re
 from functools import lru_cache
 
 from rtron.sources.code.interpreter.arguments import Arguments
-from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.values import (
     NONE,
     Choice,
-    Foreign,
     FunctionValue,
     Hole,
     Instance,
@@ -24,6 +23,7 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 from rtron.sources.code.natives.names import value_of
+from rtron.sources.code.natives.ros2_kinds import is_kind, is_unset, unset
 from rtron.sources.code.natives.ros2_nodes import NAME, name_of, takes_globals
 
 OVERRIDES = "node.overrides"
@@ -41,6 +41,14 @@ def known(machine: Machine, node: Value, name: Value) -> Value | None:
     found = [_known(machine, node, option) for option in options(name)]
     values = [value for value in found if value is not None]
     return join(values) if values else None
+
+
+def read(machine: Machine, node: Value, name: Value) -> Value:
+    """Return what is read of a parameter that has to be set; one that is declared only throws."""
+    found = known(machine, node, name)
+    if is_unset(found) and machine.catching:
+        raise ThrownError("ParameterUninitializedException", open=True)
+    return Hole("parameter", tainted=True) if found is None else found
 
 
 def is_declared(machine: Machine, node: Value, name: Value) -> bool | None:
@@ -106,6 +114,8 @@ def _overridden(machine: Machine, node: Value, name: Value, default: Value | Non
     if found is not None and not isinstance(found, Hole):
         return found
     hole = Hole(short(machine, node, spelled(name)), tainted=True)
+    if default is not None and is_kind(default) and found is None and _all_known(machine, node):
+        return unset(hole.why)
     if default is None or is_kind(default):
         return hole
     marked = _marked(default)
@@ -137,13 +147,6 @@ def _all_known(machine: Machine, node: Value) -> bool:
     site = machine.recorder.site
     process = site.loading is None or site.loading.known or not takes_globals(node)
     return site.complete and process
-
-
-def is_kind(default: Value) -> bool:
-    """Tell whether what is declared is a type alone: `rclcpp::PARAMETER_STRING`."""
-    name = default.name if isinstance(default, Foreign) else ""
-    name = default.why if isinstance(default, Hole) else name
-    return "PARAMETER_" in name or "Parameter.Type" in name or "get_type" in name
 
 
 def _marked(value: Value) -> Value:
