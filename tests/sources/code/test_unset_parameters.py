@@ -1,7 +1,7 @@
 """Parameters that are declared by their type alone, and that a launch may leave unset (rclcpp)."""
 
 import pytest
-from ros2_runs import cpp, names, settings
+from ros2_runs import cpp, names, python, settings
 
 DECLARED = 'declare_parameter("topic", rclcpp::PARAMETER_STRING);'
 READS = {
@@ -79,3 +79,27 @@ def test_a_factory_returns_what_is_set():
         "/ns/plain",
         "/ns/deduced",
     ]
+
+
+PYTHON = {
+    "a handler": """
+try:
+    topic = self.get_parameter('topic').value
+except rclpy.exceptions.ParameterUninitializedException:
+    topic = 'default'
+""",
+    "an alternative": """
+other = rclpy.Parameter('topic', rclpy.Parameter.Type.STRING, 'default')
+topic = self.get_parameter_or('topic', other).value
+""",
+}
+
+
+@pytest.mark.parametrize("how", PYTHON)
+@pytest.mark.parametrize("kind", ["rclpy.Parameter.Type.STRING", "Parameter.Type.STRING"])
+def test_in_python_it_is_the_same(how, kind):
+    top = "from rclpy.parameter import Parameter"
+    body = f"self.declare_parameter('topic', {kind})" + PYTHON[how]
+    body += "self.create_publisher(Bool, topic, 1)"
+    assert names(python(body, top=top)) == ["/ns/default"]
+    assert "/ns/given" in names(python(body, top=top, settings=settings(topic="given")))

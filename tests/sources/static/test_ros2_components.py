@@ -12,6 +12,7 @@ MANIFEST = (
 CMAKE = """project(cells)
 add_library(cell SHARED cell.cpp)
 rclcpp_components_register_node(cell PLUGIN "cells::Cell" EXECUTABLE cell_node)
+rclcpp_components_register_nodes(cell "cells::Other")
 """
 CELL = """#include <rclcpp/rclcpp.hpp>
 namespace cells {
@@ -27,8 +28,16 @@ public:
     mine_ = copy_->create_publisher<std_msgs::msg::Bool>("out", 1);
   }
 };
+class Other : public rclcpp::Node {
+public:
+  explicit Other(const rclcpp::NodeOptions & options) : Node("other", options) {
+    out_ = create_publisher<std_msgs::msg::Bool>("other", 1);
+  }
+};
+void hidden(rclcpp::Node & node) { node.create_publisher<std_msgs::msg::Bool>("hidden", 1); }
 }
 RCLCPP_COMPONENTS_REGISTER_NODE(cells::Cell)
+RCLCPP_COMPONENTS_REGISTER_NODE(cells::Other)
 """
 BOX = (
     '<node_container pkg="rclcpp_components" exec="component_container" name="box" namespace="far">'
@@ -83,8 +92,13 @@ def test_a_component_has_no_argument_of_its_container(loaded):
 def test_a_node_that_a_component_makes_with_options_of_its_own_is_named_like_the_container(loaded):
     graph = loaded()
     assert ("/far/box", "/far/lent") in published(graph)
-    (note,) = graph.unresolved
+    (note,) = [note for note in graph.unresolved if note.what.startswith("node ")]
     assert (note.what, len(note.evidence)) == ("node /far/box", 2)
+
+
+def test_what_a_component_beside_it_joins_is_not_missed_other_functions_are(loaded):
+    missed = [note.what for note in loaded().unresolved if "nothing that is seen" in note.why]
+    assert missed == ["cells::hidden()"]
 
 
 def test_such_a_node_has_the_parameters_of_the_container(loaded):

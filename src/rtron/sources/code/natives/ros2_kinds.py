@@ -49,6 +49,12 @@ def kind_of(value: Value) -> Value:
     return _KINDS[name] if name in _KINDS else Hole("get_type")
 
 
+def python_kind(value: Value | None) -> Value | None:
+    """Return the kind that `Parameter.Type.STRING` names in rclpy; None for any other value."""
+    name = value.why if isinstance(value, Hole) else getattr(value, "name", "")
+    return _KINDS.get(str(name).rpartition(".")[2]) if isinstance(value, (Hole, Foreign)) else None
+
+
 def unset(name: str) -> Hole:
     """Return what a parameter holds that is declared by its type alone, and that nobody sets."""
     return Hole(name, tainted=True, type=_UNSET)
