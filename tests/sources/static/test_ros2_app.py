@@ -86,8 +86,10 @@ def test_an_action_is_one_unit(graph):
 def test_what_every_node_has_is_implicit_and_the_clock_is_the_simulated_ones(graph):
     assert "< /clock" in ends(graph, "/robot/smooth", implicit=True)
     assert "< /clock" not in ends(graph, "/base/driver", implicit=True)
-    implied = {"> /rosout", "> /parameter_events", "< /parameter_events"}
-    assert ends(graph, "/box", implicit=True) == implied
+    assert ends(graph, "/box", implicit=True) == {"> /rosout", "< /parameter_events"}
+    events = {"> /rosout", "> /parameter_events", "< /parameter_events"}
+    assert ends(graph, "/base/driver", implicit=True) == events
+    assert "/box/set_parameters" not in {one.name for one in graph.services}
     loading = [one for one in graph.services if one.name == "/box/_container/load_node"]
     assert [one.implicit for one in loading] == [True]
 

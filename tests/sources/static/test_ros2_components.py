@@ -11,6 +11,7 @@ MANIFEST = (
 )
 CMAKE = """project(cells)
 add_library(cell SHARED cell.cpp)
+add_executable(box box.cpp)
 rclcpp_components_register_node(cell PLUGIN "cells::Cell" EXECUTABLE cell_node)
 rclcpp_components_register_nodes(cell "cells::Other")
 """
@@ -42,6 +43,15 @@ RCLCPP_COMPONENTS_REGISTER_NODE(cells::Other)
 BOX = (
     '<node_container pkg="rclcpp_components" exec="component_container" name="box" namespace="far">'
 )
+OWN_BOX = """#include <rclcpp_components/component_manager.hpp>
+int main(int argc, char ** argv) {
+  rclcpp::init(argc, argv);
+  auto executor = std::make_shared<rclcpp::executors::MultiThreadedExecutor>();
+  auto manager = std::make_shared<rclcpp_components::ComponentManager>(executor);
+  executor->add_node(manager);
+  executor->spin();
+}
+"""
 LAUNCH = """<launch>
   {box}
     <remap from="out" to="moved"/>
@@ -56,7 +66,7 @@ LAUNCH = """<launch>
 @pytest.fixture
 def scanned(tmp_path):
     """Return the graph of a launch file around the component."""
-    files = {"package.xml": MANIFEST, "CMakeLists.txt": CMAKE, "cell.cpp": CELL}
+    files = {"package.xml": MANIFEST, "CMakeLists.txt": CMAKE, "cell.cpp": CELL, "box.cpp": OWN_BOX}
     for name, text in files.items():
         (tmp_path / name).write_text(text)
 
@@ -156,3 +166,23 @@ def test_a_container_that_no_launch_starts_leaves_its_components_known(scanned):
     assert ("/written/one", "/written/out") in topics
     assert ("/helper", "/helped") in topics
     assert ("/helper", "/{/helper/out}") in topics
+
+
+@pytest.mark.parametrize(
+    ("container", "name"),
+    [
+        ('pkg="cells" exec="box"', "/ComponentManager"),
+        ('pkg="cells" exec="box" name="mine"', "/mine"),
+        ('pkg="rclcpp_components" exec="component_container_mt"', "/ComponentManager"),
+    ],
+)
+def test_a_container_is_named_by_the_launch_or_called_like_its_class(scanned, container, name):
+    graph = scanned(
+        f'<launch><node {container}/><load_composable_node target="{name}">'
+        '<composable_node pkg="cells" plugin="cells::Other" name="one"/>'
+        "</load_composable_node></launch>"
+    )
+    assert [node.name for node in graph.nodes] == [name, "/one"]
+    own = {one.name.removeprefix(f"{name}/") for one in graph.services if one.node == name}
+    loading = {f"_container/{verb}" for verb in ("load_node", "unload_node", "list_nodes")}
+    assert own == {"get_type_description", *loading}

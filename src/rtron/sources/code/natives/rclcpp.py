@@ -1,6 +1,7 @@
 """rclcpp and the C++ libraries of ROS 2 around it, as far as they join nodes."""
 
 from rtron.sources.code.interpreter.values import Native, NativeClass, Value
+from rtron.sources.code.natives.rclcpp_components import COMPONENT_CLASSES
 from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT_FUNCTIONS
 from rtron.sources.code.natives.rclcpp_functions import FUNCTIONS
 from rtron.sources.code.natives.rclcpp_images import IMAGE_CLASSES, IMAGE_FUNCTIONS
@@ -20,6 +21,7 @@ RCLCPP_CLASSES: dict[str, NativeClass] = {
     **IMAGE_CLASSES,
     **PLUGIN_CLASSES,
     **TREE_CLASSES,
+    **COMPONENT_CLASSES,
 }
 RCLCPP_FUNCTIONS = {
     name: Native(name, call)

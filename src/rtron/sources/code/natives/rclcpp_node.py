@@ -68,6 +68,13 @@ def make_options(_: Machine, arguments: Arguments) -> Instance:
     return Instance(OPTIONS, {**fields, **_DEFAULTS, **before})
 
 
+def bare_options(machine: Machine, at: Arguments) -> Instance:
+    """Return options without parameter services and parameter events, as a container has them."""
+    made = make_options(machine, Arguments(frame=at.frame))
+    made.fields |= {_SERVICES: FALSE, _EVENTS: FALSE}
+    return made
+
+
 def loading_options(site: NodeSite) -> Instance:
     """Return the options that a component is made with (rclcpp_components).
 
