@@ -73,3 +73,39 @@ def test_what_is_missing_is_said_with_what_to_do(rtron, folder):
     assert "help: add kind:=VALUE" in ran.err
     ran = rtron("scan", folder, "--launch", "parts/robt.launch.py")
     assert (ran.code, "did you mean parts/robot.launch.py" in ran.err) == (2, True)
+
+
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_launch_file_of_an_installed_package_is_named_by_it(rtron, folder, tmp_path, linked):
+    share = tmp_path / "install" / "share" / "bringup"
+    (share / "launch").mkdir(parents=True)
+    text = """from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    return LaunchDescription([IncludeLaunchDescription(
+        [FindPackageShare('bringup'), '/launch/pad.launch.xml'])])
+"""
+    inner = '<launch><node pkg="keys" exec="teleop" name="pad"/></launch>'
+    places = share / "launch", tmp_path / "elsewhere"
+    places[1].mkdir()
+    for name, written in (("all.launch.py", text), ("pad.launch.xml", inner)):
+        (places[linked] / name).write_text(written)
+        if linked:
+            (places[0] / name).symlink_to(places[1] / name)
+    prefixes = f"AMENT_PREFIX_PATH={tmp_path / 'none'}:{tmp_path / 'install'}"
+    app = ("--launch", "bringup/all.launch.py", "--env", prefixes, "-j", "1", "--format", "graph")
+    ran = rtron("scan", folder, *app, "--fail-on", "never")
+    assert (ran.code, ran.err) == (0, "")
+    assert [node["name"] for node in json.loads(ran.out)["nodes"]] == ["/pad"]
+
+
+@pytest.mark.parametrize("spelled", ["../x.launch.py", "./x.launch.py", "gone/x.launch.py"])
+def test_what_is_no_package_is_not_looked_for_where_packages_are(rtron, folder, tmp_path, spelled):
+    (tmp_path / "install" / "share" / "inner").mkdir(parents=True)
+    (tmp_path / "install" / "x.launch.py").write_text("")
+    prefix = f"AMENT_PREFIX_PATH={tmp_path / 'install'}"
+    ran = rtron("scan", folder, "--launch", spelled, "--env", prefix)
+    assert (ran.code, "no launch file" in ran.err) == (2, True)

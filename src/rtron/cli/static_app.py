@@ -74,7 +74,8 @@ def static_source(
     shared = assignments(arguments)
     words = [_words(launch) for launch in choice.launches]
     launches = [
-        (find_launch(spelled, workspace), {**shared, **assignments(own)}) for spelled, *own in words
+        (find_launch(spelled, workspace, environ), {**shared, **assignments(own)})
+        for spelled, *own in words
     ]
     options = ScanOptions(cache=user_cache() if choice.use_cache else None)
     if choice.jobs:

@@ -79,6 +79,19 @@ class ParameterSetting:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Loading:
+    """How a container loads a component (rclcpp_components: ComponentManager).
+
+    `container` is the full name of the node that loads it, `known` says that a launch that is read
+    tells all that this process is started with. `options` are the extra arguments.
+    """
+
+    container: str
+    known: bool = True
+    options: tuple[tuple[str, ParameterValue], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeSite:
     """A node where it runs: its full name, its command line and the parameters of the launch.
 
@@ -87,9 +100,9 @@ class NodeSite:
 
     In ROS 2 (`ros`) the parameters are `settings`, of which the last that fits counts. `named` and
     `placed` say that the launch gives the name and the namespace; where it does not, the source
-    does. They are for every node of the process that takes the process's arguments. A component has
-    besides these, which are its container's, `args` and `overrides` of its own: the arguments and
-    the parameters of the options that it is loaded with.
+    does. They are for every node of the process that takes the process's arguments. Of a component
+    that is loaded (`loading`) they are its container's; `args` and `overrides` are its own, the
+    arguments and the parameters of the options that it is loaded with.
     """
 
     name: str
@@ -103,6 +116,12 @@ class NodeSite:
     placed: bool = True
     settings: tuple[ParameterSetting, ...] = ()
     overrides: tuple[tuple[str, ParameterValue], ...] = ()
+    loading: Loading | None = None
+
+    @property
+    def process(self) -> str:
+        """The full name that a launch gives the nodes of the process."""
+        return self.loading.container if self.loading else self.name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

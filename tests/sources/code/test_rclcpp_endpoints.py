@@ -249,7 +249,7 @@ def test_what_a_library_declares_is_marked(made, added):
 
 def test_a_listener_without_a_node_has_one_of_its_own():
     nodes = [node.name for node in cpp("tf2_ros::TransformListener l(buffer);").nodes]
-    assert nodes == ["/ns/n", "/transform_listener_impl_{id}"]
+    assert nodes == ["/ns/n", "/ns/transform_listener_impl_{id}"]
 
 
 def test_a_call_on_what_may_be_a_node_is_noted():

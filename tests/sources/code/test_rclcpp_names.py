@@ -3,6 +3,8 @@
 import pytest
 from ros2_runs import UNLAUNCHED, cpp, names, run_text, written
 
+from rtron.sources.declaration import Loading
+
 ALL = """
 create_publisher<std_msgs::msg::Bool>("rel", 1);
 create_publisher<std_msgs::msg::Bool>("~/private", 1);
@@ -94,9 +96,60 @@ RCLCPP_COMPONENTS_REGISTER_NODE(app::Driver)
 """
 
 
-def test_a_component_is_made_with_the_options_of_its_container():
+def test_an_executable_of_a_component_makes_it_with_the_arguments_of_the_process():
     found = run_text(COMPONENT, cls="app::Driver", name="/cell/one")
     assert written(found) == ["subscribe /cell/joy sensor_msgs/msg/Joy"]
+
+
+def test_a_component_is_made_with_the_options_of_its_container():
+    words = ("--ros-args", "-r", "__node:=one", "-r", "__ns:=/cell", "-r", "joy:=pad")
+    loading = Loading(container="/far/box")
+    found = run_text(COMPONENT, cls="app::Driver", name="/cell/one", args=words, loading=loading)
+    assert written(found) == ["subscribe /cell/joy sensor_msgs/msg/Joy"]
+    (node,) = found.nodes
+    assert (node.name, node.remaps, node.globally) == ("/cell/one", (("joy", "pad"),), False)
+
+
+RULES = """
+auto options = rclcpp::NodeOptions().arguments({
+  "--ros-args", "-r", "other:__node:=never", "-r", "any:__node:=first", "-r", "__node:=second",
+  "-r", "any:__ns:=/old", "-r", "first:__ns:=/new", "-r", "first:a:=b"});
+auto made = std::make_shared<rclcpp::Node>("any", options);
+"""
+
+
+def test_the_first_rule_for_a_nodes_name_counts():
+    node = cpp(RULES).nodes[1]
+    assert (node.name, node.remaps) == ("/new/first", (("first:a", "b"),))
+
+
+def test_the_arguments_of_a_process_may_name_one_of_its_nodes():
+    rules = ("--ros-args", "-r", "written:__node:=base", "-r", "left:__node:=wing")
+    body = 'auto left = std::make_shared<rclcpp::Node>("left");'
+    assert [n.name for n in cpp(body, args=rules, named=False).nodes] == ["/ns/base", "/ns/wing"]
+
+
+def test_parameters_given_to_the_constructor_count_over_its_arguments():
+    body = """
+    auto options = rclcpp::NodeOptions().arguments({"--ros-args", "-p", "a:=low", "-p", "b:=low"})
+      .parameter_overrides({rclcpp::Parameter("a", "high")});
+    auto made = std::make_shared<rclcpp::Node>("made", "", options);
+    made->create_publisher<std_msgs::msg::Bool>(made->declare_parameter<std::string>("a", "x"), 1);
+    made->create_publisher<std_msgs::msg::Bool>(made->declare_parameter<std::string>("b", "x"), 1);
+    """
+    assert names(cpp(body)) == ["/ns/high", "/ns/low"]
+
+
+def test_an_override_is_found_by_a_name_that_a_parameter_gives():
+    body = """
+    auto options = rclcpp::NodeOptions().parameter_overrides(
+      {rclcpp::Parameter("kind", "left"), rclcpp::Parameter("left.topic", "there")});
+    auto made = std::make_shared<rclcpp::Node>("made", "", options);
+    auto kind = made->declare_parameter<std::string>("kind", "none");
+    made->create_publisher<std_msgs::msg::Bool>(
+      made->declare_parameter<std::string>(kind + ".topic", "here"), 1);
+    """
+    assert names(cpp(body)) == ["/ns/there"]
 
 
 def test_a_component_that_is_not_there_is_noted():

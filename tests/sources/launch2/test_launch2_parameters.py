@@ -256,3 +256,28 @@ def test_a_file_that_the_build_installs_elsewhere(python, package):
 )
 def test_patterns_of_node_names(pattern, node, fits):
     assert names(pattern, node) is fits
+
+
+NODES = {
+    "a node": "Node(package='p', executable='e', arguments=[{}], name='n', namespace='ns')",
+    "a process": "ExecuteProcess(cmd=['ros2', 'run', 'p', 'e', {}, '-r', '__node:=n', '-r', "
+    "'__ns:=/ns'])",
+}
+
+
+@pytest.mark.parametrize("how", NODES)
+def test_a_file_among_the_arguments_counts_in_its_place(python, file, how):
+    words = f"'--ros-args', '-p', 'all:=0', '--params-file', '{file}', '-p', 'both:=last'"
+    start = python(NODES[how].format(words)).starts[0]
+    found = values(start, by_order=True)
+    assert (found["all"], found["own"], found["deep.er"]) == (1, [1, 2], "x")
+    assert start.complete
+
+
+def test_a_file_among_the_arguments_that_is_not_known_or_not_there(python):
+    unknown = "'--ros-args', '--params-file', EnvironmentVariable('WHERE')"
+    assert not python(NODES["a node"].format(unknown)).starts[0].complete
+    gone = "'--ros-args', '--params-file', '/none/at/all.yaml'"
+    app = python(NODES["a node"].format(gone))
+    assert values(app.starts[0]) == {}
+    assert any("all.yaml" in note.what + note.why for note in app.unresolved)

@@ -47,7 +47,7 @@ def test_each_component_and_node_is_one_of_its_own(graph):
     assert [node.name for node in graph.nodes] == [
         "/box",
         "/robot/smooth",
-        "/inner",
+        "/robot/inner",
         "/robot/pad",
         "/base/driver",
     ]
@@ -57,13 +57,13 @@ def test_each_component_and_node_is_one_of_its_own(graph):
     assert smooth.trust is Trust.OWN
 
 
-def test_a_components_remaps_are_its_own_and_the_containers_are_for_all(graph):
+def test_the_remaps_of_a_container_are_not_those_of_its_components(graph):
     assert ends(graph, "/robot/smooth") == {
         "> /cmd_vel",
         "< /robot/cmd_vel_nav",
-        "> /robot/noticed",
+        "> /robot/seen",
     }
-    assert ends(graph, "/inner") == {"> /noticed"}
+    assert ends(graph, "/robot/inner") == {"> /robot/noticed"}
 
 
 def test_the_first_rule_that_fits_counts(graph):
@@ -86,8 +86,10 @@ def test_an_action_is_one_unit(graph):
 def test_what_every_node_has_is_implicit_and_the_clock_is_the_simulated_ones(graph):
     assert "< /clock" in ends(graph, "/robot/smooth", implicit=True)
     assert "< /clock" not in ends(graph, "/base/driver", implicit=True)
-    implied = {"> /rosout", "> /parameter_events", "< /parameter_events"}
-    assert ends(graph, "/box", implicit=True) == implied
+    assert ends(graph, "/box", implicit=True) == {"> /rosout", "< /parameter_events"}
+    events = {"> /rosout", "> /parameter_events", "< /parameter_events"}
+    assert ends(graph, "/base/driver", implicit=True) == events
+    assert "/box/set_parameters" not in {one.name for one in graph.services}
     loading = [one for one in graph.services if one.name == "/box/_container/load_node"]
     assert [one.implicit for one in loading] == [True]
 

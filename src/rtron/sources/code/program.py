@@ -113,9 +113,16 @@ def run_nodelet(sources: tuple[Path, ...], cls: str, site: NodeSite, files: File
 
 
 def run_component(
-    sources: tuple[Path, ...], cls: str, site: NodeSite, files: Files
+    sources: tuple[Path, ...],
+    cls: str,
+    site: NodeSite,
+    files: Files,
+    beside: tuple[str, ...] = (),
 ) -> NodeInterface:
-    """Return what a component's class declares: made with the options of a launch (ROS 2)."""
+    """Return what a component's class declares: made with the options of a launch (ROS 2).
+
+    What the components `beside` it join is not missed.
+    """
 
     def run(volatile: frozenset[str]) -> Machine:
         world, machine = _cpp(sources, site, files, volatile)
@@ -134,7 +141,7 @@ def run_component(
             _bounded(machine, Path(frame.file), partial(world.instantiate, found, given))
         return machine
 
-    return _settled(run)
+    return _settled(run, beside)
 
 
 def _count(words: ListValue) -> Value:
@@ -148,7 +155,9 @@ def _load(world: CppWorld, cls: ClassValue) -> None:
     dispatch(world.machine, method or Hole("onInit"), Arguments(frame=frame))
 
 
-def _settled(run: Callable[[frozenset[str]], Machine]) -> NodeInterface:
+def _settled(
+    run: Callable[[frozenset[str]], Machine], beside: tuple[str, ...] = ()
+) -> NodeInterface:
     """Run a program, and once more with what its callbacks change taken as unknown.
 
     In ROS 2 these run when the node is spun: what they change is unknown then, not before.
@@ -156,7 +165,9 @@ def _settled(run: Callable[[frozenset[str]], Machine]) -> NodeInterface:
     machine = run(frozenset())
     volatile = changed_at_any_time(machine) if machine.recorder.site.ros == 1 else frozenset()
     settled = run(volatile) if volatile else machine
-    note_unreached(settled, settled.world.own_functions())
+    functions = settled.world.own_functions()
+    ours = [f for f in functions if f.name.rpartition("::")[0] not in beside]
+    note_unreached(settled, ours)
     return settled.recorder.result()
 
 
@@ -206,6 +217,7 @@ def _bounded(machine: Machine, path: Path, run: Callable[[], object]) -> None:
     if machine.recorder.site.ros > 1:
         _part(machine, path, partial(run_transitions, machine))
         machine.volatile = changed_at_any_time(machine)
+        machine.recorder.spun = True
     _part(machine, path, partial(run_pending, machine))
 
 

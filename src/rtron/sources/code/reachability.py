@@ -132,6 +132,7 @@ def _make_deferred(machine: Machine) -> None:
 
 def _run(machine: Machine, waiting: FunctionValue) -> None:
     function = waiting.function
+    machine.recorder.setting = any(function is setter for setter in machine.setters)
     place = Evidence(file=function.file, line=function.line)
     try:
         with machine.budget(MAX_STEPS if machine.recorder.site.ros == 1 else MAX_STEPS_2):
@@ -156,11 +157,33 @@ def _waiting(machine: Machine) -> Iterator[FunctionValue]:
     yield from _called(machine)
     for instance in list(machine.instances):
         if isinstance(instance, Instance):
-            yield from _destructor(machine, instance)
-        if isinstance(instance, Instance) and _has_unknown_base(machine, instance):
-            for method in _methods(machine, instance):
-                if _counts(machine, method.function):
-                    yield method
+            yield from _of_instance(machine, instance)
+    if machine.recorder.site.ros > 1:
+        yield from _asked(machine)
+
+
+def _of_instance(machine: Machine, instance: Instance) -> Iterator[FunctionValue]:
+    """Yield an object's destructor, and the methods that an unknown base class may call."""
+    yield from _destructor(machine, instance)
+    if _has_unknown_base(machine, instance):
+        for method in _methods(machine, instance):
+            if _counts(machine, method.function):
+                yield method
+
+
+def _asked(machine: Machine) -> Iterator[FunctionValue]:
+    """Yield methods of a program's objects that are called of an object which is not known."""
+    for instance in list(machine.instances):
+        for name in sorted(_own_names(machine, instance) & machine.asked):
+            found = machine.world.attribute(instance, name, ())
+            if isinstance(found, FunctionValue) and _counts(machine, found.function):
+                yield found
+
+
+def _own_names(machine: Machine, instance: Value) -> set[str]:
+    lineage = machine.world.lineage(instance.type) if isinstance(instance, Instance) else ()
+    classes = [cls.definition for cls in lineage if isinstance(cls, ClassValue)]
+    return {name for cls in classes for name in machine.world.method_names(cls)}
 
 
 def _called(machine: Machine) -> Iterator[FunctionValue]:

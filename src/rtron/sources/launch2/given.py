@@ -1,7 +1,8 @@
 """What an element gives to the node that it starts: parameters, extra arguments, environment."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from rtron.errors import InputError
 from rtron.sources.launch.yaml_text import YamlLeaf, YamlTree
@@ -12,6 +13,7 @@ from rtron.sources.launch2.parameters import ALL, Entries, ParameterSource
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
 from rtron.sources.launch2.scope import Scope
+from rtron.sources.launch2.words import parameters_in
 from rtron.vocabulary import ParameterValue
 from rtron.vocabulary.parameters import Parameter
 
@@ -37,6 +39,14 @@ class Given:
                 yield from self._file(param, "from")
             else:
                 yield ParameterSource(entries=((pattern, dict(self._values(param, ""))),))
+
+    def in_words(self, words: Sequence[str], element: Element) -> Iterator[ParameterSource]:
+        """Yield the parameters in a command line, in order (docs.ros.org: ROS arguments)."""
+        for pair in pairwise(words):
+            if pair[0] == "--params-file":
+                yield from self._named_file(pair[1], element, replaced=False)
+            else:
+                yield from parameters_in(pair, evidence_of(element, self.place))
 
     def shared(self, element: Element) -> ParameterSource | None:
         """Return what an action gives to all nodes."""
@@ -90,12 +100,16 @@ class Given:
 
         One whose name is not known has no entries, and a hole in its name.
         """
-        path = self._text(element, key)
+        replaced = self._text(element, "allow_substs").lower() in _YES
+        yield from self._named_file(self._text(element, key), element, replaced=replaced)
+
+    def _named_file(
+        self, path: str, element: Element, *, replaced: bool
+    ) -> Iterator[ParameterSource]:
         if has_hole(path):
             yield ParameterSource(entries=(), file=path)
             return
         with self.evaluator.noting(element, self.place):
-            replaced = self._text(element, "allow_substs").lower() in _YES
             yield ParameterSource(entries=self._entries(path, element, replaced), file=path)
 
     def _entries(self, path: str, element: Element, replaced: bool) -> Entries:  # noqa: FBT001

@@ -1,6 +1,6 @@
 """What a launch starts, taken with all that the graph of an app asks for."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from rtron.folders import is_there
 from rtron.sources.code.python.unit import MAX_BYTES
 from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.given import Given
-from rtron.sources.launch2.parameters import ALL
+from rtron.sources.launch2.parameters import ALL, ParameterSource
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
 from rtron.sources.launch2.result import Argument, Start, StartKind
@@ -17,7 +17,6 @@ from rtron.sources.launch2.scope import Scope, canonical
 from rtron.sources.launch2.surroundings import Surroundings
 from rtron.sources.launch2.words import (
     RUN,
-    parameters_in,
     remaps_in,
     run_node,
     special,
@@ -87,7 +86,9 @@ class Starts(Surroundings):
             **self.surroundings(element, place),
         )
         self.evaluator.bounds.node(place.path)
-        self.starts.append(run_node(found) if words[: len(RUN)] == RUN else found)
+        if words[: len(RUN)] == RUN:
+            found = _with(run_node(found), given.in_words(words, element))
+        self.starts.append(found)
 
     def unknown(self, element: Element, place: Place) -> None:
         """Note an action of a kind that is not known."""
@@ -139,10 +140,8 @@ class Starts(Surroundings):
         )
         pattern = start.full_name if name and space and kind is not StartKind.COMPONENT else ALL
         own = given.own(element, pattern)
-        sources = (*parameters_in(words), *(scope.parameters or ()), *own)
-        complete = not any(has_hole(source.file) for source in sources)
-        named = tuple(replace(source, file=shown(source.file)) for source in sources)
-        return replace(start, sources=named, complete=complete)
+        in_words = given.in_words(words, element)
+        return _with(start, (*in_words, *(scope.parameters or ()), *own))
 
     def _name(
         self, element: Element, words: Sequence[str], scope: Scope, place: Place
@@ -171,6 +170,14 @@ class Starts(Surroundings):
 
     def _text(self, element: Element, key: str, scope: Scope, place: Place) -> str:
         return shown(self.text(element, key, scope, place))
+
+
+def _with(start: Start, given: Iterable[ParameterSource]) -> Start:
+    """Return what starts with its parameters, and whether all of them are known."""
+    sources = tuple(given)
+    complete = not any(has_hole(source.file) for source in sources)
+    named = tuple(replace(source, file=shown(source.file)) for source in sources)
+    return replace(start, sources=named, complete=complete)
 
 
 def _program(kind: StartKind) -> str:

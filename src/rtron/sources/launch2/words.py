@@ -14,7 +14,6 @@ from rtron.vocabulary.parameters import Parameter
 from rtron.vocabulary.remap_rules import Rule, rules_in
 
 RUN = ("ros2", "run")
-_HERE = Evidence(file="")
 _REMAP, _PARAMETER = frozenset({"-r", "--remap"}), frozenset({"-p", "--param"})
 
 
@@ -62,7 +61,7 @@ def special(words: Sequence[str], key: str) -> str:
     return ""
 
 
-def parameters_in(words: Sequence[str], place: Evidence = _HERE) -> Iterator[ParameterSource]:
+def parameters_in(words: Sequence[str], place: Evidence) -> Iterator[ParameterSource]:
     """Yield the parameters among the arguments of a node."""
     for word, value in pairwise(words):
         name, given, text = value.partition(":=")
@@ -72,7 +71,7 @@ def parameters_in(words: Sequence[str], place: Evidence = _HERE) -> Iterator[Par
 
 
 def run_node(process: Start) -> Start:
-    """Return the node that a process `ros2 run package executable …` is."""
+    """Return the node that a process `ros2 run package executable …` is, without parameters."""
     package, program, *words = (*process.arguments[len(RUN) :], "", "")
     arguments = tuple(word for word in words if word)
     return replace(
@@ -85,5 +84,4 @@ def run_node(process: Start) -> Start:
         namespace=special(arguments, "__ns") or "/",
         remaps=tuple(remaps_in(arguments)),
         shared=len(tuple(remaps_in(arguments))),
-        sources=tuple(parameters_in(arguments, process.evidence)),
     )

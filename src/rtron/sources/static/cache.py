@@ -84,8 +84,9 @@ class Cache:
             task.kind.value,
             *map(str, task.sources),
             task.cls,
+            repr(task.beside),
             repr((site.name, site.args, site.remaps, site.environ, site.complete)),
-            repr((site.ros, site.named, site.placed, site.settings, site.overrides)),
+            repr((site.ros, site.named, site.placed, site.settings, site.overrides, site.loading)),
             self._parameters_hash(site.parameters),
         )
         return digest_of(parts) + _ENDING

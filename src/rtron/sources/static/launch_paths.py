@@ -3,25 +3,31 @@
 ROS wiki: roslaunch/Commandline Tools; docs.ros.org: "Launching nodes".
 """
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
+from types import MappingProxyType
 
 from rtron.errors import InputError
+from rtron.folders import is_there
 from rtron.sources.workspace import Workspace
-from rtron.sources.workspace.files import is_regular
+from rtron.sources.workspace.files import PackageFiles, is_regular, list_files
 
 _MAX_NEAR = 3
+_PACKAGE = re.compile(r"\w[\w.-]*")
 _ENDINGS = (".launch", "launch.xml", "launch.py", "launch.yaml", "launch.yml")
 
 
-def find_launch(spelled: str, workspace: Workspace) -> Path:
+def find_launch(
+    spelled: str, workspace: Workspace, environ: Mapping[str, str] = MappingProxyType({})
+) -> Path:
     """Return the launch file that a path or `package/file` means.
 
-    In a package it may lie in any folder. Raise InputError, with the nearest names, if there is
-    none.
+    In a package it may lie in any folder. A package that is not in the workspace is looked for
+    below AMENT_PREFIX_PATH. Raise InputError, with the nearest names, if there is none.
     """
-    found = _as_path(spelled) or _in_package(spelled, workspace)
+    found = _as_path(spelled) or _in_package(spelled, workspace) or _installed(spelled, environ)
     if found is not None:
         return found
     near = get_close_matches(spelled, _names(workspace), n=_MAX_NEAR, cutoff=0.5)
@@ -38,9 +44,27 @@ def _in_package(spelled: str, workspace: Workspace) -> Path | None:
     package, _, rest = spelled.partition("/")
     if not rest or package not in workspace.packages:
         return None
-    files = workspace.files(package)
-    ending = f"/{rest}"
-    paths = (path for path in files.called(Path(rest).name) if str(path).endswith(ending))
+    return _nearest(workspace.files(package), rest)
+
+
+def _installed(spelled: str, environ: Mapping[str, str]) -> Path | None:
+    """Return a file in the share folder of an installed package, which may be a link to its source.
+
+    The first prefix that has the package counts (ament_index_python: get_package_share_directory).
+    """
+    package, _, rest = spelled.partition("/")
+    if not (rest and _PACKAGE.fullmatch(package)):
+        return None
+    for prefix in filter(None, environ.get("AMENT_PREFIX_PATH", "").split(":")):
+        share = Path(prefix).absolute() / "share" / package
+        if is_there(share) and share.is_dir():
+            return _nearest(list_files(share, (Path("/"),)), rest)
+    return None
+
+
+def _nearest(files: PackageFiles, rest: str) -> Path | None:
+    """Return the file with this path's end that lies in the fewest folders."""
+    paths = (path for path in files.called(Path(rest).name) if str(path).endswith(f"/{rest}"))
     return min(filter(files.is_file, paths), key=_depth, default=None)
 
 

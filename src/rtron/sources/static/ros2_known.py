@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+from rtron.sources.code.natives.rclcpp_components import LOADING
 from rtron.sources.code.natives.ros2_endpoints import PARAMETER_SERVICES
 from rtron.sources.code.natives.ros2_qos import PROFILES
 from rtron.sources.code.reading import WorkspaceFiles
@@ -18,9 +19,10 @@ from rtron.sources.models import Model
 from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_bridge import bridge
 from rtron.sources.static.ros2_given import given_value
+from rtron.sources.static.ros2_started import CONTAINERS
 from rtron.vocabulary import NodeParameter
 
-_CONTAINERS, _BRIDGE = "rclcpp_components", ("ros_gz_bridge", "parameter_bridge")
+_BRIDGE = ("ros_gz_bridge", "parameter_bridge")
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _TOPICS = (
     (_PUBLISH, "rosout", "rcl_interfaces/msg/Log"),
@@ -30,20 +32,17 @@ _TOPICS = (
 _CLOCK = (_SUBSCRIBE, "clock", "rosgraph_msgs/msg/Clock")
 _DESCRIPTION = "type_description_interfaces/srv/GetTypeDescription"
 _EVERY = {**PARAMETER_SERVICES, "get_type_description": _DESCRIPTION}
-_LOADING = {
-    "_container/load_node": "composition_interfaces/srv/LoadNode",
-    "_container/unload_node": "composition_interfaces/srv/UnloadNode",
-    "_container/list_nodes": "composition_interfaces/srv/ListNodes",
-}
-"""docs.ros.org: "Composing multiple nodes in a single process"."""
+_EVENTS = (_PUBLISH, "/parameter_events")
+"""A container does not have this, nor parameter services (rclcpp_components: ComponentManager)."""
 
 
 def with_known(part: Part, files: WorkspaceFiles) -> Part:
     """Return the part of a node that is known, with what it declares; another one as it is."""
     node = part.node
-    if node.package == _CONTAINERS and not node.container:
-        services = _services(part, node.name, {**_EVERY, **_LOADING})
-        interface = NodeInterface(declarations=(*_topics(part, node.name), *services))
+    if node.package == CONTAINERS and not node.container:
+        services = _services(part, node.name, {"get_type_description": _DESCRIPTION, **LOADING})
+        topics = (d for d in _topics(part, node.name) if (d.kind, d.name) != _EVENTS)
+        interface = NodeInterface(declarations=(*topics, *services))
         return replace(part, interface=interface)
     if part.task is None and (node.package, node.type) == _BRIDGE:
         return replace(part, interface=_bridge(part, files))

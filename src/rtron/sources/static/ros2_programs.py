@@ -19,13 +19,13 @@ def executable_task(
 ) -> Task | None:
     """Return the task of `<node pkg=… exec=…>` at a site; None where its source is not here."""
     program = workspace.executable(package, executable)
-    return _task(program, site) if program is not None else None
+    return _task(workspace, package, program, site) if program is not None else None
 
 
 def component_task(workspace: Workspace, package: str, cls: str, site: NodeSite) -> Task | None:
     """Return the task of `<composable_node pkg=… plugin=…>` at a site, None without its source."""
     program = workspace.component(package, cls)
-    return _task(program, site) if program is not None else None
+    return _task(workspace, package, program, site) if program is not None else None
 
 
 def ros2_programs(workspace: Workspace, folder: Path) -> Iterator[tuple[str, Task]]:
@@ -102,7 +102,7 @@ def _default(workspace: Workspace, package: str, name: str) -> Iterator[Task]:
         yield task
 
 
-def _task(program: Program, site: NodeSite) -> Task | None:
+def _task(workspace: Workspace, package: str, program: Program, site: NodeSite) -> Task | None:
     kinds = {Language.PYTHON: TaskKind.PYTHON, Language.CPP: TaskKind.CPP}
     kind = kinds.get(program.language)
     if kind is None or not program.sources:
@@ -114,5 +114,13 @@ def _task(program: Program, site: NodeSite) -> Task | None:
         sources=program.sources,
         cls=program.entry,
         definitions=program.definitions,
+        beside=_beside(workspace, package, program),
         site=site,
     )
+
+
+def _beside(workspace: Workspace, package: str, program: Program) -> tuple[str, ...]:
+    """Return the other components of a package: what they join is for whoever loads them."""
+    contents = workspace.contents(package) if program.entry else None
+    classes = [component.cls for component in contents.components] if contents else []
+    return tuple(cls for cls in classes if cls != program.entry)

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtron.sources.declaration import NodeSite, ParameterSetting
+from rtron.sources.code.natives.rclcpp_components import MANAGER
+from rtron.sources.declaration import Loading, NodeSite, ParameterSetting
 from rtron.sources.launch2.parameters import ParameterSource
 from rtron.sources.launch2.result import Start, StartKind
 from rtron.sources.static.node import AppNode
@@ -16,6 +17,7 @@ from rtron.sources.workspace import Language, Workspace
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import UNKNOWN
 
+CONTAINERS = "rclcpp_components"
 _WILD = "*"
 
 
@@ -29,7 +31,8 @@ class StartedNodes:
 
     def nodes(self, starts: Sequence[Start]) -> Iterator[AppNode]:
         """Yield nodes and components; a process that is no node is noted."""
-        hosts = {s.full_name: s for s in starts if s.kind is not StartKind.COMPONENT and s.name}
+        no_node = {StartKind.COMPONENT, StartKind.PROCESS}
+        hosts = {_process_name(start): start for start in starts if start.kind not in no_node}
         for start in starts:
             if start.kind is StartKind.PROCESS:
                 what = f"process {' '.join(start.arguments[:2])}"
@@ -43,7 +46,7 @@ class StartedNodes:
         program = self.workspace.executable(start.package, start.program)
         python = program is not None and program.language is Language.PYTHON
         site = NodeSite(
-            name=_name(start, Path(start.program).stem),
+            name=_name(start, _own_name(start)),
             ros=2,
             args=start.arguments,
             named=bool(start.name),
@@ -55,7 +58,7 @@ class StartedNodes:
         return _app_node(start, site, start)
 
     def _component(self, start: Start, host: Start | None) -> AppNode:
-        """Return a component: its process's arguments are those of the container."""
+        """Return a component, which its container loads: the process is the container's."""
         if host is None:
             what, why = f"component {start.full_name}", "no launch file that is read starts it"
             self.notes.add(what, f"its container is {start.container}: {why}", start.evidence)
@@ -63,12 +66,17 @@ class StartedNodes:
             name=_name(start, start.program.rpartition("::")[2]),
             ros=2,
             args=tuple(_words(start)),
-            named=False,
-            placed=False,
-            complete=start.complete and host is not None and host.complete,
+            named=host is not None and bool(host.name),
+            placed=host is not None and host.placed,
+            complete=start.complete,
             environ=self._environ(host or start),
             settings=tuple(_settings(host.sources)) if host else (),
             overrides=tuple((name, one.value) for name, one in start.parameters().items()),
+            loading=Loading(
+                container=start.container,
+                known=host is not None and host.complete,
+                options=tuple((name, one.value) for name, one in start.extra.items()),
+            ),
         )
         return _app_node(start, site, host)
 
@@ -76,9 +84,18 @@ class StartedNodes:
         return tuple({**self.environ, **dict(start.environ)}.items())
 
 
+def _process_name(start: Start) -> str:
+    return _name(start, _own_name(start))
+
+
 def _name(start: Start, program: str) -> str:
     """Return a node's full name; one that names itself is mostly called like its program."""
     return start.full_name if start.name else canonical_name(f"{start.namespace}/{program}")
+
+
+def _own_name(start: Start) -> str:
+    """Return what a program mostly calls its node; a container's name is known."""
+    return MANAGER if start.package == CONTAINERS else Path(start.program).stem
 
 
 def _words(start: Start) -> Iterator[str]:

@@ -28,12 +28,14 @@ class Task:
     """A program's sources, macros and the node it runs as.
 
     `cls` is a nodelet's or component's class, or the function that a Python module is entered by.
+    `beside` are the other components of its package, which it does not run.
     """
 
     kind: TaskKind
     sources: tuple[Path, ...]
     cls: str = ""
     definitions: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
     site: NodeSite
 
 
@@ -68,7 +70,7 @@ def _run(task: Task, files: Files) -> NodeInterface:
     if task.kind is TaskKind.PYTHON:
         return run_python(task.sources[0], task.site, files, task.cls)
     if task.kind is TaskKind.COMPONENT:
-        return run_component(task.sources, task.cls, task.site, files)
+        return run_component(task.sources, task.cls, task.site, files, task.beside)
     if task.kind is TaskKind.NODELET:
         return run_nodelet(task.sources, task.cls, task.site, files)
     return run_cpp(task.sources, task.site, files)

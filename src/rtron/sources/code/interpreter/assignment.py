@@ -6,6 +6,7 @@ from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.element import is_slice, slice_of
 from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.items import items_of, unpacked, unpacked_around
+from rtron.sources.code.interpreter.iterators import written
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     OPEN,
@@ -28,7 +29,9 @@ from rtron.sources.code.ir import Attr, Expr, Index, Name, Sequence, Star
 def assign(machine: Machine, target: Expr, value: Value, frame: Frame) -> None:
     """Write a value to what an expression names; what cannot be written to is left."""
     if isinstance(target, Name):
-        machine.trail.set(*machine.world.place(target.id, frame), value)
+        place = machine.world.place(target.id, frame)
+        if not written(machine, place.holder.get(place.key), value):
+            machine.trail.set(*place, value)
     elif isinstance(target, Sequence):
         for item, part in zip(target.items, _parts(target, value), strict=True):
             assign(machine, item, part, frame)

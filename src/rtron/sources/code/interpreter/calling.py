@@ -45,14 +45,16 @@ def call(machine: Machine, node: Call, frame: Frame) -> Value:
             return changed
     called = machine.evaluate(node.function, frame)
     arguments = _arguments(machine, node, frame)
-    if isinstance(node.function, Attr) and isinstance(called, Hole) and arguments.values:
+    if isinstance(node.function, Attr) and isinstance(called, Hole):
+        machine.asked.add(node.function.name)
         _note_unknown(machine, node.function.name, arguments)
     return dispatch(machine, called, arguments)
 
 
 def _note_unknown(machine: Machine, name: str, arguments: Arguments) -> None:
     """Note a call that would join nodes, if only it were known what it is called on."""
-    if machine.world.by_reference and name in JOINING and arguments.types:
+    joins = name in JOINING and arguments.types and arguments.values
+    if machine.world.by_reference and joins:
         what = f"{name}({spelled(arguments.values[0])})"
         machine.recorder.unresolved(what, "what it is called on is not known", arguments.evidence)
 

@@ -36,6 +36,7 @@ from rtron.sources.code.ir import (
 )
 from rtron.sources.code.natives.containers import CPP_MAP, LIST, bound
 from rtron.sources.code.natives.cpp_std import CONSTANTS, PARAMETER_KIND, PLACEHOLDERS, kind_of
+from rtron.sources.code.natives.ros2_kinds import parameter_kind
 from rtron.sources.code.natives.strings import CPP_TEXT, text_method
 
 _MAKERS = frozenset({"make_shared", "make_unique"})
@@ -91,8 +92,8 @@ class CppWorld(CppObjects):
             if target is not owner and not name.startswith("operator"):
                 return each(target, lambda one: self.attribute(one, name, types) or Hole(name))
             return self._of_instance(owner, name, types)
-        if name == "getType":
-            return Native(name, kind_of, owner)
+        if name in _KINDS:
+            return Native(name, _KINDS[name], owner)
         if isinstance(owner, (ListValue, MapValue)):
             return _of_container(owner, name)
         if isinstance(owner, Text) or (isinstance(owner, Known) and isinstance(owner.value, str)):
@@ -269,6 +270,10 @@ class CppWorld(CppObjects):
             or name in frame.aliases
             or (frame.closure is not None and self._in_closure(name, frame.closure))
         )
+
+
+_KINDS = {"getType": kind_of, "get_type": parameter_kind}
+"""What tells the kind of a parameter's value, in ROS 1 and in ROS 2."""
 
 
 def _may_alias(node: Declare, value: Value | None) -> bool:

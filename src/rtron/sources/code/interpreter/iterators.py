@@ -3,16 +3,53 @@
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.machine import Machine
-from rtron.sources.code.interpreter.values import Hole, Instance, Known, NativeClass, Value
+from rtron.sources.code.interpreter.values import (
+    Choice,
+    Hole,
+    Instance,
+    Known,
+    ListValue,
+    NativeClass,
+    Value,
+)
 
-_END = "end"
+_END, _OWNER = "end", "owner"
 
 
 def begin(_: Machine, owner: Value, __: Arguments) -> Value:
     """`container.begin()`."""
     items, certain = items_of(owner)
-    holder = Instance(NativeClass("items"), dict(enumerate(items)))
+    holder = Instance(NativeClass("items"), {**dict(enumerate(items)), _OWNER: owner})
     return _at(holder, 0, len(items), certain=certain)
+
+
+def items_from(value: Value | None) -> tuple[list[tuple[Instance, Value]], bool] | None:
+    """Return the places from an iterator on with what is there, and whether these are all."""
+    if not isinstance(value, Instance) or value.type is not ITERATOR or _END in value.fields:
+        return None
+    items, place, count = (value.fields[name] for name in ("items", "at", "count"))
+    if not (isinstance(items, Instance) and isinstance(place, Known) and isinstance(count, Known)):
+        return None
+    certain = value.fields["certain"] == Known(value=True)
+    places = range(place.value, count.value)
+    found = [_at(items, at, count.value, certain=certain) for at in places]
+    return [(one, item_at(one)) for one in found], certain
+
+
+def written(machine: Machine, held: Value | None, value: Value) -> bool:
+    """Do `*it = value`: a variable that holds an iterator can get nothing but iterators itself."""
+    if not isinstance(held, Instance) or held.type is not ITERATOR or _END in held.fields:
+        return False
+    if isinstance(value, (Hole, Choice)) or getattr(value, "type", None) is ITERATOR:
+        return False
+    items, place = held.fields["items"], held.fields["at"]
+    if isinstance(items, Instance) and isinstance(place, Known):
+        machine.trail.set(items.fields, place.value, value)
+        owner = items.fields[_OWNER]
+        if isinstance(owner, ListValue) and place.value < len(owner.items):
+            changed = (*owner.items[: place.value], value, *owner.items[place.value + 1 :])
+            machine.trail.set(owner.fields, "items", changed)
+    return True
 
 
 def end(_: Machine, __: Value, ___: Arguments) -> Value:
@@ -52,6 +89,8 @@ def _next(_: Machine, owner: Instance, __: Arguments) -> Value:
 def _differs(_: Machine, owner: Instance, arguments: Arguments) -> Value:
     other = arguments.get(0)
     is_end = isinstance(other, Instance) and _END in other.fields
+    if is_end and _END in owner.fields:
+        return Known(value=False)
     if not is_end or _END in owner.fields:
         return Hole("iterator")
     place, count = owner.fields["at"], owner.fields["count"]

@@ -77,6 +77,8 @@ class Machine:
     deferred: list[Callable[[], object]] = field(default_factory=list)
     handed: list[FunctionValue] = field(default_factory=list)
     escaped: list[Function] = field(default_factory=list)
+    setters: list[Function] = field(default_factory=list)
+    asked: set[str] = field(default_factory=set)
     called_back: int = 0
     instances: list[Value] = field(default_factory=list)
     volatile: frozenset[str] = frozenset()

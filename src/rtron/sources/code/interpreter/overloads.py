@@ -1,8 +1,9 @@
 """Which of several C++ functions of one name a call means."""
 
+from collections.abc import Mapping
+
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.values import (
-    Choice,
     ClassValue,
     FunctionValue,
     Hole,
@@ -29,20 +30,31 @@ def _score(function: Function, arguments: Arguments) -> tuple[bool, bool, int]:
     varied = any(param.kind != "plain" for param in function.params)
     fits = least <= count and (count <= most or varied)
     pairs = zip(function.params, arguments.values, strict=False)
-    matches = sum(_match(param, value, function.template) for param, value in pairs)
+    given = dict(zip(function.template, arguments.types, strict=False))
+    matches = sum(_match(param, value, function, given) for param, value in pairs)
     return fits, function.body is not None, matches
 
 
-def _match(param: Param, value: Value, template: tuple[str, ...]) -> int:
-    if param.type is not None and param.type.name in template:
-        return 1
-    if param.type is None or isinstance(value, (Hole, Choice)):
+def _match(param: Param, value: Value, function: Function, given: Mapping[str, TypeRef]) -> int:
+    """Tell how well a value fits a parameter, whose type the call's template arguments may give."""
+    if param.type is None:
         return 0
-    return _fit(param.type, value)
+    bound = given.get(param.type.name)
+    if param.type.name in function.template and bound is None:
+        return 1
+    found = _fit(bound or param.type, value)
+    return found or int(bound is not None)
+
+
+def _fit_unknown(type: str, value: Hole) -> int:
+    """Tell whether an object nobody knows fits: it is called like its class."""
+    return 3 if value.why.rpartition("::")[2] == f"{type}()" else 0
 
 
 def _fit(type: TypeRef, value: Value) -> int:
     last = type.name.rpartition("::")[2]
+    if isinstance(value, Hole):
+        return _fit_unknown(last, value)
     if isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str)):
         return 2 if type.name in _TEXTS else -_is_scalar(type)
     if isinstance(value, Known):

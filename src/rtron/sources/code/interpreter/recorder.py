@@ -30,10 +30,16 @@ MAX_PLACES = 24
 
 @dataclass(slots=True)
 class Recorder:
-    """What a node at `site` declares; `muted` counts the trial runs that must leave no trace."""
+    """What a node at `site` declares; `muted` counts the trial runs that must leave no trace.
+
+    `spun` says that all is set up and callbacks run, `setting` that one of them runs which a change
+    of parameters calls (ROS 2).
+    """
 
     site: NodeSite
     muted: int = 0
+    spun: bool = False
+    setting: bool = False
     _declarations: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(
         default_factory=dict
     )
@@ -54,7 +60,7 @@ class Recorder:
         qos: QoS | None = None,
     ) -> None:
         """Record a declared name, once for each of its options."""
-        for option in self.likely(name):
+        for option in self._first((kind, type, node), self.likely(name), evidence):
             declared = Declaration(
                 kind=kind,
                 name=resolve_name(spelled(option), self.site.name),
@@ -67,6 +73,30 @@ class Recorder:
                 evidence=evidence,
             )
             self._add(declared)
+
+    def _first(
+        self,
+        end: tuple[DeclarationKind, str, str],
+        found: tuple[Value, ...],
+        evidence: tuple[Evidence, ...],
+    ) -> tuple[Value, ...]:
+        """Leave out the names that callbacks may give later to what a node has; this is noted.
+
+        A callback makes something again if it may have the name that the node has it by, or if a
+        change of parameters calls it and the node has something of its kind and type.
+        """
+        later = [option for option in found if not isinstance(option, Known)]
+        if not (later and (self.spun or self.setting)):
+            return found
+        kept = tuple(option for option in found if option not in later)
+        names = {resolve_name(spelled(option), self.site.name) for option in kept}
+        had = [name for kind, name, type, node in self._declarations if end == (kind, type, node)]
+        if not (names.intersection(had) or (self.setting and had)):
+            return found
+        name = next((name for name in had if name in names), had[0] if had else "")
+        why = "a callback may make it again while it runs, under a name that is not known before"
+        self.unresolved(f"{end[0].value} {name} of {end[2]}", why, evidence[0])
+        return kept
 
     def node(self, made: MadeNode) -> None:
         """Record a node that the process makes."""

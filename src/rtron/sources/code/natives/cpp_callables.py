@@ -1,8 +1,6 @@
-"""What C++ calls for others: bind, threads, algorithms, other programs."""
+"""What C++ calls for others: bind, threads, other programs."""
 
 from rtron.sources.code.interpreter.arguments import Arguments
-from rtron.sources.code.interpreter.calling import dispatch
-from rtron.sources.code.interpreter.iterators import ITERATOR
 from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.values import (
     NONE,
@@ -65,19 +63,6 @@ def make_thread(machine: Machine, arguments: Arguments) -> Value:
 def make_function(_: Machine, arguments: Arguments) -> Value:
     """Make a std::function, which is what it holds."""
     return arguments.get(0) or Hole("function")
-
-
-def for_each(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`std::for_each(xs.begin(), xs.end(), function)`."""
-    start, function = arguments.get(0), arguments.get(2) or NONE
-    if isinstance(start, Instance) and start.type is ITERATOR and "items" in start.fields:
-        items = start.fields["items"]
-        for item in items.fields.values() if isinstance(items, Instance) else ():
-            given = Arguments(values=(item,), line=arguments.line, frame=arguments.frame)
-            dispatch(machine, function, given)
-    else:
-        machine.escape(function)
-    return NONE
 
 
 def end_program(_: Machine, __: object, ___: Arguments) -> Value:

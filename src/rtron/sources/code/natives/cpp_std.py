@@ -16,10 +16,10 @@ from rtron.sources.code.interpreter.values import (
     Placeholder,
     Value,
 )
+from rtron.sources.code.natives.cpp_algorithms import ALGORITHMS
 from rtron.sources.code.natives.cpp_callables import (
     bind,
     end_program,
-    for_each,
     getenv,
     hidden,
     make_function,
@@ -120,7 +120,7 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "getline": getline,
     "stoi": partial(parsed, int),
     "stod": partial(parsed, float),
-    "for_each": for_each,
+    **ALGORITHMS,
     "join": joined,
     "exit": end_program,
     "abort": end_program,

@@ -1,6 +1,7 @@
 """rclcpp and the C++ libraries of ROS 2 around it, as far as they join nodes."""
 
 from rtron.sources.code.interpreter.values import Native, NativeClass, Value
+from rtron.sources.code.natives.rclcpp_components import COMPONENT_CLASSES
 from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT_FUNCTIONS
 from rtron.sources.code.natives.rclcpp_functions import FUNCTIONS
 from rtron.sources.code.natives.rclcpp_images import IMAGE_CLASSES, IMAGE_FUNCTIONS
@@ -10,6 +11,7 @@ from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_CLASSES
 from rtron.sources.code.natives.rclcpp_plugins import PLUGIN_CLASSES
 from rtron.sources.code.natives.rclcpp_qos import QOS_CLASSES, QOS_CONSTANTS, QOS_FUNCTIONS
 from rtron.sources.code.natives.rclcpp_trees import TREE_CLASSES, TREE_FUNCTIONS
+from rtron.sources.code.natives.ros2_kinds import KIND_CONSTANTS
 
 RCLCPP_CLASSES: dict[str, NativeClass] = {
     **NODE_CLASSES,
@@ -19,6 +21,7 @@ RCLCPP_CLASSES: dict[str, NativeClass] = {
     **IMAGE_CLASSES,
     **PLUGIN_CLASSES,
     **TREE_CLASSES,
+    **COMPONENT_CLASSES,
 }
 RCLCPP_FUNCTIONS = {
     name: Native(name, call)
@@ -30,4 +33,4 @@ RCLCPP_FUNCTIONS = {
         **TREE_FUNCTIONS,
     }.items()
 }
-RCLCPP_CONSTANTS: dict[str, Value] = dict(QOS_CONSTANTS)
+RCLCPP_CONSTANTS: dict[str, Value] = {**QOS_CONSTANTS, **KIND_CONSTANTS}

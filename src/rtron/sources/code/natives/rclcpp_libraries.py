@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.items import listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     TRUE,
@@ -20,7 +21,15 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.natives import ros2_endpoints
 from rtron.sources.code.natives.cpp_arguments import escape_all, message_of, take_callbacks
 from rtron.sources.code.natives.rclcpp_endpoints import owned
-from rtron.sources.code.natives.ros2_nodes import NAME, NodeWords, node_among, record
+from rtron.sources.code.natives.ros2_nodes import (
+    NAME,
+    NodeWords,
+    full_name,
+    name_of,
+    node_among,
+    record,
+)
+from rtron.sources.code.natives.ros2_parameters import watch_changes
 from rtron.sources.code.natives.ros2_qos import PROFILES, is_qos, qos_of
 from rtron.sources.declaration import DeclarationKind
 
@@ -52,10 +61,14 @@ def _transforms(
 
 
 def own_node(machine: Machine, prefix: str, at: Arguments) -> Instance:
-    """Return a node that a library makes for itself; its name ends in what only the run knows."""
-    name = Text((f"/{prefix}", Hole("id")))
-    node = Instance(NativeClass("node"), {NAME: name})
-    record(machine, name, NodeWords(name=name, globally=False), at)
+    """Return a node that a library makes for itself; its name ends in what only the run knows.
+
+    Its own arguments name it (tf2_ros: TransformListener); the rest of the process's count for it.
+    """
+    name = Text((f"__node:={prefix}", Hole("id")))
+    words = NodeWords(name=Hole("id"), arguments=listed((Known("-r"), name)))
+    node = Instance(NativeClass("node"), {NAME: full_name(machine, words)})
+    record(machine, name_of(node), words, at)
     return node
 
 
@@ -153,7 +166,13 @@ def _event_handler(machine: Machine, arguments: Arguments) -> Value:
     if node is not None:
         name, type = Known("/parameter_events"), "rcl_interfaces/msg/ParameterEvent"
         ros2_endpoints.declare(machine, _SUBSCRIBE, node, name, type, arguments, implicit=True)
-    return Instance(_UPDATER, {"truth": TRUE})
+    return Instance(_EVENT_HANDLER, {"truth": TRUE})
+
+
+def _take_changes(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+    """`add_parameter_callback(name, callback)` and its kin."""
+    watch_changes(machine, arguments)
+    return take_callbacks(machine, owner, arguments)
 
 
 def _callbacks(machine: Machine, arguments: Arguments) -> Value:
@@ -164,9 +183,12 @@ def _callbacks(machine: Machine, arguments: Arguments) -> Value:
 _LIBRARY = NativeClass("library")
 _UPDATER = NativeClass(
     "updater",
+    methods=dict.fromkeys(("add", "registerCallback"), take_callbacks),
+)
+_EVENT_HANDLER = NativeClass(
+    "rclcpp::ParameterEventHandler",
     methods=dict.fromkeys(
-        ("add", "registerCallback", "add_parameter_callback", "add_parameter_event_callback"),
-        take_callbacks,
+        ("add_parameter_callback", "add_parameter_event_callback"), _take_changes
     ),
 )
 _FILTER = NativeClass(

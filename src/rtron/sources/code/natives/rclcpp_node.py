@@ -25,6 +25,7 @@ from rtron.sources.code.natives.names import value_of
 from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT_METHODS
 from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_METHODS, parameter, watch
 from rtron.sources.code.natives.ros2_nodes import (
+    GLOBALLY,
     NAME,
     SUB,
     NodeWords,
@@ -43,11 +44,20 @@ _UNKNOWN = Hole("?")
 _ARGUMENTS, _GLOBALLY, _GIVEN = "options.arguments", "options.globally", "options.overrides"
 _OPTIONS = "node.options"
 _SERVICES, _AUTOMATIC = "options.services", "options.automatic"
+_ROSOUT, _EVENTS = "options.rosout", "options.events"
 _FLAGS = {
     "use_global_arguments": _GLOBALLY,
     "start_parameter_services": _SERVICES,
     "automatically_declare_parameters_from_overrides": _AUTOMATIC,
+    "enable_rosout": _ROSOUT,
+    "start_parameter_event_publisher": _EVENTS,
 }
+_DEFAULTS: Mapping[object, Value] = {
+    **dict.fromkeys((_GLOBALLY, _SERVICES, _ROSOUT, _EVENTS), TRUE),
+    _AUTOMATIC: FALSE,
+}
+_EXTRA = {"forward_global_arguments": _GLOBALLY, **_FLAGS}
+_ASKED = {"parameter_services": _SERVICES, "rosout": _ROSOUT, "parameter_events": _EVENTS}
 
 
 def make_options(_: Machine, arguments: Arguments) -> Instance:
@@ -55,16 +65,29 @@ def make_options(_: Machine, arguments: Arguments) -> Instance:
     given = arguments.get(0)
     before = given.fields if isinstance(given, Instance) and _GLOBALLY in given.fields else {}
     fields: dict[object, Value] = {_ARGUMENTS: listed(()), _GIVEN: listed(())}
-    fields |= {_GLOBALLY: TRUE, _SERVICES: TRUE, _AUTOMATIC: FALSE}
-    return Instance(OPTIONS, {**fields, **before})
+    return Instance(OPTIONS, {**fields, **_DEFAULTS, **before})
+
+
+def bare_options(machine: Machine, at: Arguments) -> Instance:
+    """Return options without parameter services and parameter events, as a container has them."""
+    made = make_options(machine, Arguments(frame=at.frame))
+    made.fields |= {_SERVICES: FALSE, _EVENTS: FALSE}
+    return made
 
 
 def loading_options(site: NodeSite) -> Instance:
-    """Return the options that a container makes a component with (rclcpp_components)."""
+    """Return the options that a component is made with (rclcpp_components).
+
+    What a container loads takes no arguments of the process, unless its extra arguments say so; an
+    executable that is registered for one component makes it with the process's.
+    """
     own = (parameter(Known(name), value_of(value, f"~{name}")) for name, value in site.overrides)
     fields: dict[object, Value] = {_ARGUMENTS: listed(tuple(map(Known, site.args)))}
-    fields |= {_GIVEN: listed(tuple(own))}
-    fields |= {_GLOBALLY: TRUE, _SERVICES: TRUE, _AUTOMATIC: FALSE}
+    fields |= {_GIVEN: listed(tuple(own)), **_DEFAULTS}
+    if site.loading is not None:
+        extra = dict(site.loading.options)
+        fields[_GLOBALLY] = FALSE
+        fields |= {_EXTRA[name]: Known(value) for name, value in extra.items() if name in _EXTRA}
     return Instance(OPTIONS, fields)
 
 
@@ -94,7 +117,7 @@ def make_node(machine: Machine, arguments: Arguments, *, lifecycle: bool = False
     chosen = given[0] if given else make_options(machine, Arguments(frame=arguments.frame))
     words = _words(arguments, chosen)
     fields = {NAME: full_name(machine, words), SUB: Known("")}
-    fields |= {_OPTIONS: chosen}
+    fields |= {_OPTIONS: chosen, GLOBALLY: Known(words.globally)}
     fields |= {OVERRIDES: _overrides(chosen), "node.automatic": chosen.fields[_AUTOMATIC]}
     made = Instance(LIFECYCLE_NODE if lifecycle else NODE, fields)
     _join(machine, made, words, chosen, arguments)
@@ -105,7 +128,8 @@ def _join(
     machine: Machine, made: Instance, words: NodeWords, chosen: Instance, at: Arguments
 ) -> None:
     def asked(option: str) -> bool:
-        return option != "parameter_services" or truth(chosen.fields[_SERVICES]) is not False
+        field = _ASKED.get(option)
+        return field is None or truth(chosen.fields[field]) is not False
 
     ros2_endpoints.join_app(machine, made, words, at, asked)
     if made.type is LIFECYCLE_NODE and not (at.values and at.values[-1] == FALSE):
@@ -129,16 +153,10 @@ def _space(arguments: Arguments) -> Value | None:
 
 
 def _overrides(chosen: Instance) -> Value:
-    """Return the parameters that the options set, those of their arguments last."""
-    before = getattr(chosen.fields[_GIVEN], "items", ())
+    """Return the parameters that the options set: their overrides count over their arguments."""
+    given = getattr(chosen.fields[_GIVEN], "items", ())
     pairs = own_settings(chosen.fields[_ARGUMENTS])
-    return listed((*before, *(parameter(Known(name), _plain(value)) for name, value in pairs)))
-
-
-def _plain(value: Value) -> Value:
-    """Return the number or bool that an argument's text means."""
-    text = value.value if isinstance(value, Known) else None
-    return {"true": TRUE, "false": FALSE}.get(str(text), value)
+    return listed((*(parameter(Known(name), value) for name, value in pairs), *given))
 
 
 def _sub_node(_: Machine, owner: Instance, arguments: Arguments) -> Value:
@@ -216,7 +234,7 @@ OPTIONS = NativeClass(
         **dict.fromkeys(
             (
                 *("allow_undeclared_parameters", "use_intra_process_comms", "context", "clock_qos"),
-                *("enable_rosout", "start_parameter_event_publisher", "use_clock_thread"),
+                "use_clock_thread",
                 *("parameter_event_qos", "rosout_qos", "enable_topic_statistics", "allocator"),
                 "enable_logger_service",
             ),

@@ -20,10 +20,13 @@ from rtron.sources.code.interpreter.values import (
     options,
 )
 from rtron.sources.code.natives.cpp_arguments import escape_all
+from rtron.sources.code.natives.ros2_kinds import is_kind, is_unset, kind_of
 from rtron.sources.code.natives.ros2_parameters import (
     declared,
     is_declared,
     known,
+    read,
+    watch_changes,
     written,
 )
 
@@ -44,7 +47,7 @@ def _value(value: Value | None) -> Value | None:
 def declare_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     """`declare_parameter<T>(name[, default])`, `declare_parameter(name, type)`."""
     default = _value(arguments.get(1))
-    if isinstance(default, Instance):
+    if isinstance(default, Instance) and not is_kind(default):
         default = None
     return declared(machine, owner, arguments.get(0) or _UNKNOWN, default)
 
@@ -68,15 +71,14 @@ def _joined(namespace: Value | None, name: Value) -> Value:
 def get_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameter(name)`, or `get_parameter(name, variable)`, which tells whether it is set."""
     name = arguments.get(0) or _UNKNOWN
-    found = known(machine, owner, name)
     if len(arguments.values) < 2:  # noqa: PLR2004 - a name and a variable
-        return parameter(name, Hole("parameter", tainted=True) if found is None else found)
-    return _written(machine, arguments, found)
+        return parameter(name, read(machine, owner, name))
+    return _written(machine, arguments, known(machine, owner, name))
 
 
 def _written(machine: Machine, arguments: Arguments, found: Value | None) -> Value:
     place, is_parameter = arguments.place(1), isinstance(arguments.get(1), Instance)
-    if found is None:
+    if found is None or is_unset(found):
         return FALSE
     if place is not None:
         name = arguments.get(0) or _UNKNOWN
@@ -88,7 +90,7 @@ def get_parameter_or(machine: Machine, owner: Value, arguments: Arguments) -> Va
     """`get_parameter_or(name, variable, default)`, `get_parameter_or(name, default)`."""
     default = arguments.get(len(arguments.values) - 1) or _UNKNOWN
     found = known(machine, owner, arguments.get(0) or _UNKNOWN)
-    if found is None:
+    if found is None or is_unset(found):
         value = default
     else:
         value = join((default, found)) if isinstance(found, Hole) else found
@@ -97,7 +99,7 @@ def get_parameter_or(machine: Machine, owner: Value, arguments: Arguments) -> Va
         return value
     if place is not None:
         machine.trail.set(*place, value)
-    return FALSE if found is None else TRUE
+    return FALSE if found is None or is_unset(found) else TRUE
 
 
 def get_parameters(machine: Machine, owner: Value, arguments: Arguments) -> Value:
@@ -133,10 +135,16 @@ def set_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value
 
 
 def watch(machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    """`add_on_set_parameters_callback(…)` and its kin."""
+    """`register_on_configure(…)` and its kin."""
     del owner
     escape_all(machine, arguments)
     return Hole("handle")
+
+
+def _watch_parameters(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+    """`add_on_set_parameters_callback(…)` and its kin."""
+    watch_changes(machine, arguments)
+    return watch(machine, owner, arguments)
 
 
 def _make_parameter(_: Machine, arguments: Arguments) -> Value:
@@ -161,8 +169,8 @@ def _itself(_: Machine, owner: Instance, __: Arguments) -> Value:
     return owner
 
 
-def _kind(_: Machine, __: Instance, ___: Arguments) -> Value:
-    return Hole("get_type")
+def _kind(_: Machine, owner: Instance, __: Arguments) -> Value:
+    return kind_of(owner.fields["value"])
 
 
 _AS = ("string", "int", "double", "bool")
@@ -175,7 +183,7 @@ PARAMETER = NativeClass(
         **dict.fromkeys(("get_value", "value_to_string", "get"), _get),
         "get_parameter_value": _itself,
         "get_name": _get_name,
-        **dict.fromkeys(("get_type", "get_type_name"), _kind),
+        "get_type": _kind,
     },
 )
 PARAMETER_CLASSES: Mapping[str, NativeClass] = {
@@ -198,6 +206,6 @@ PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
             "add_post_set_parameters_callback",
             "add_pre_set_parameters_callback",
         ),
-        watch,
+        _watch_parameters,
     ),
 }

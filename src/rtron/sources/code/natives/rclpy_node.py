@@ -4,10 +4,12 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.items import items_of, listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     FALSE,
     NONE,
+    TRUE,
     Foreign,
     Hole,
     Instance,
@@ -19,9 +21,10 @@ from rtron.sources.code.interpreter.values import (
     truth,
 )
 from rtron.sources.code.natives import ros2_endpoints
-from rtron.sources.code.natives.rclpy_parameters import PARAMETER_METHODS
+from rtron.sources.code.natives.rclpy_parameters import PARAMETER_METHODS, parameter
 from rtron.sources.code.natives.rclpy_qos import quality
 from rtron.sources.code.natives.ros2_nodes import (
+    GLOBALLY,
     NAME,
     SUB,
     NodeWords,
@@ -30,6 +33,7 @@ from rtron.sources.code.natives.ros2_nodes import (
     name_of,
     namespace_at,
     node_among,
+    own_settings,
     resolved,
 )
 from rtron.sources.code.natives.ros2_parameters import OVERRIDES
@@ -37,6 +41,13 @@ from rtron.sources.declaration import DeclarationKind
 
 _UNKNOWN = Hole("?")
 _MODULE_PARTS = 3
+_ASKED = {
+    "parameter_services": "start_parameter_services",
+    "rosout": "enable_rosout",
+    "parameter_events": "parameter_events",
+}
+"""The arguments that tell whether a node has these; events it always has."""
+
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
@@ -72,19 +83,26 @@ def initialise(
     for field, value in (
         (NAME, full_name(machine, words)),
         (SUB, Known("")),
-        (OVERRIDES, given.get("parameter_overrides", NONE)),
+        (GLOBALLY, Known(words.globally)),
+        (OVERRIDES, _overrides(words, given.get("parameter_overrides", NONE))),
         ("node.automatic", automatic),
     ):
         machine.trail.set(owner.fields, field, value)
 
     def asked(option: str) -> bool:
-        on = given.get("start_parameter_services", Known(value=True))
-        return option == "parameter_services" and truth(on) is not False
+        return option in _ASKED and truth(given.get(_ASKED[option], TRUE)) is not False
 
     ros2_endpoints.join_app(machine, owner, words, arguments, asked)
     if lifecycle:
         ros2_endpoints.lifecycle(machine, owner, arguments)
     return NONE
+
+
+def _overrides(words: NodeWords, given: Value) -> Value:
+    """Return the parameters that a node is made with: those given count over its arguments'."""
+    pairs = own_settings(words.arguments)
+    own = tuple(parameter(Known(name), value) for name, value in pairs)
+    return listed((*own, *items_of(given)[0])) if own else given
 
 
 def _text(value: Value | None) -> Value:

@@ -21,7 +21,15 @@ from rtron.sources.code.interpreter.values import (
     concat,
     join,
 )
-from rtron.sources.code.natives.ros2_parameters import declared, is_declared, known, written
+from rtron.sources.code.natives.ros2_kinds import is_unset, python_kind
+from rtron.sources.code.natives.ros2_parameters import (
+    declared,
+    is_declared,
+    known,
+    read,
+    watch_changes,
+    written,
+)
 
 _UNKNOWN = Hole("?")
 _VALUES = (
@@ -48,6 +56,9 @@ def _declare(machine: Machine, owner: Value, arguments: Arguments) -> Value:
 
 
 def _default(value: Value | None) -> Value | None:
+    kind = python_kind(value)
+    if kind is not None:
+        return kind
     is_open = value is None or value == NONE or isinstance(value, (Foreign, Instance))
     return None if is_open else value
 
@@ -67,8 +78,7 @@ def _declare_all(machine: Machine, owner: Value, arguments: Arguments) -> Value:
 def _get(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameter(name)`."""
     name = arguments.get(0, "name") or _UNKNOWN
-    found = known(machine, owner, name)
-    return parameter(name, Hole("parameter", tainted=True) if found is None else found)
+    return parameter(name, read(machine, owner, name))
 
 
 def _get_or(machine: Machine, owner: Value, arguments: Arguments) -> Value:
@@ -76,7 +86,7 @@ def _get_or(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     name = arguments.get(0, "name") or _UNKNOWN
     default = _value(arguments.get(1, "alternative_value")) or NONE
     found = known(machine, owner, name)
-    if found is None:
+    if found is None or is_unset(found):
         return parameter(name, default)
     return parameter(name, join((default, found)) if isinstance(found, Hole) else found)
 
@@ -127,6 +137,7 @@ def _set(machine: Machine, owner: Value, arguments: Arguments) -> Value:
 
 
 def _watch(machine: Machine, _: Value, arguments: Arguments) -> Value:
+    watch_changes(machine, arguments)
     machine.escape(arguments.get(0, "callback"))
     return NONE
 

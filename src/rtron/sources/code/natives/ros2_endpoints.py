@@ -121,9 +121,11 @@ def join_app(
     `parameter_event_listener` is rclcpp's alone.
     """
     record(machine, name_of(node), words, at)
-    _implied(machine, _PUBLISH, node, "/rosout", "rcl_interfaces/msg/Log", at, "rosout")
+    if ask("rosout"):
+        _implied(machine, _PUBLISH, node, "/rosout", "rcl_interfaces/msg/Log", at, "rosout")
     event, events = "rcl_interfaces/msg/ParameterEvent", "/parameter_events"
-    _implied(machine, _PUBLISH, node, events, event, at, "parameter_events")
+    if ask("parameter_events"):
+        _implied(machine, _PUBLISH, node, events, event, at, "parameter_events")
     if ask("parameter_event_listener"):
         _implied(machine, _SUBSCRIBE, node, events, event, at, "parameter_events")
     if ask("parameter_services"):

@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from rtron.sources.code.interpreter.arguments import Arguments
-from rtron.sources.code.interpreter.items import items_of
+from rtron.sources.code.interpreter.items import items_of, listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
+    FALSE,
     NONE,
+    TRUE,
     Hole,
     Instance,
     Known,
@@ -27,7 +29,7 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.natives.ros2_names import base_of, below, clean, expanded, namespace_of
 from rtron.sources.declaration import MadeNode
 
-NAME, SUB = "node.name", "node.sub"
+NAME, SUB, GLOBALLY = "node.name", "node.sub", "node.globally"
 """The fields of a node; no member of a class can be called like them."""
 
 _EMPTY = Known("")
@@ -63,6 +65,11 @@ def name_of(node: Value) -> Value:
     return name if name is not None else Hole("node")
 
 
+def takes_globals(node: Value) -> bool:
+    """Tell whether the arguments of its process count for a node."""
+    return not isinstance(node, Instance) or node.fields.get(GLOBALLY) != FALSE
+
+
 def namespace_at(node: Value) -> Value:
     """Return a node's namespace."""
     return namespace_of(name_of(node))
@@ -80,30 +87,27 @@ def resolved(node: Value, name: Value | None) -> Value:
 
 
 def full_name(machine: Machine, words: NodeWords) -> Value:
-    """Return the full name of a node that is made."""
+    """Return the full name of a node that is made: the first rule that fits counts (rcl: remap)."""
     site = machine.recorder.site
-    own = list(_own_rules(words))
+    written = listed(()) if site.loading else listed(tuple(map(Known, site.args)))
+    rules = [*_rules(words.arguments), *(_rules(written) if words.globally else ())]
     name, namespace = words.name, words.namespace
     if words.globally and site.named:
-        name = Known(site.name.rpartition("/")[2])
+        name = Known(site.process.rpartition("/")[2])
     if words.globally and site.placed:
-        namespace = Known(site.name.rpartition("/")[0] or "/")
-    for rule, target in own:
-        if rule == "__node":
-            name = target
-        elif rule == "__ns":
-            namespace = target
+        namespace = Known(site.process.rpartition("/")[0] or "/")
+    name = next(_targets(rules, "__node", words.name), name)
+    namespace = next(_targets(rules, "__ns", name), namespace)
     return clean(below(concat((Known("/"), namespace)), name))
 
 
 def record(machine: Machine, full: Value, words: NodeWords, at: Arguments) -> None:
     """Record a node that the program makes."""
-    own = [(r, spelled(t)) for r, t in _own_rules(words) if not r.startswith("__")]
+    rules = [r for r in _rules(words.arguments) if not r.left.startswith("__")]
+    own = tuple((f"{r.node}:{r.left}" if r.node else r.left, spelled(r.target)) for r in rules)
     for option in options(full):
         name = spelled(option)
-        made = MadeNode(
-            name=name, remaps=tuple(own), globally=words.globally, evidence=(at.evidence,)
-        )
+        made = MadeNode(name=name, remaps=own, globally=words.globally, evidence=(at.evidence,))
         machine.recorder.node(made)
 
 
@@ -118,19 +122,39 @@ def own_settings(words: Value) -> Iterator[tuple[str, Value]]:
     """Yield the parameters among the arguments of a node's options: `-p name:=value`."""
     for word, following in _flagged(words):
         if word in {"-p", "--param"}:
-            yield from _rule(following)
+            yield from ((name, _plain(value)) for name, value in _assigned(following))
 
 
-def _own_rules(words: NodeWords) -> Iterator[tuple[str, Value]]:
-    """Yield the remap rules among a node's own arguments that are for this node."""
-    for word, following in _flagged(words.arguments):
+def _plain(value: Value) -> Value:
+    """Return the bool that an argument's text means."""
+    text = value.value if isinstance(value, Known) else None
+    return {"true": TRUE, "false": FALSE}.get(str(text), value)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rule:
+    """`node:left:=target`; without `node` it is for every node."""
+
+    node: str
+    left: str
+    target: Value
+
+
+def _rules(words: Value) -> Iterator[_Rule]:
+    """Yield the remap rules among the arguments of a node, or of a process."""
+    for word, following in _flagged(words):
         if word in {"-r", "--remap"}:
-            for rule, target in _rule(following):
-                prefix, colon, rest = rule.partition(":")
-                if not colon or prefix.startswith("ros"):
-                    yield rule, target
-                elif words.name in {Known(prefix), Known(prefix, tainted=True)}:
-                    yield rest, target
+            for rule, target in _assigned(following):
+                node, colon, rest = rule.partition(":")
+                alone = not colon or rest.startswith("//")
+                yield _Rule("", rule, target) if alone else _Rule(node, rest, target)
+
+
+def _targets(rules: Iterable[_Rule], left: str, name: Value) -> Iterator[Value]:
+    """Yield what the rules for a node of this name say, the first one counts."""
+    for rule in rules:
+        if rule.left == left and rule.node in {"", spelled(name)}:
+            yield rule.target
 
 
 def _flagged(words: Value) -> Iterator[tuple[str, Value]]:
@@ -140,7 +164,7 @@ def _flagged(words: Value) -> Iterator[tuple[str, Value]]:
             yield str(word.value), following
 
 
-def _rule(word: Value) -> Iterator[tuple[str, Value]]:
+def _assigned(word: Value) -> Iterator[tuple[str, Value]]:
     """Yield `left:=right`, whose right side may be known in part."""
     for option in options(word):
         parts = parts_of(option)

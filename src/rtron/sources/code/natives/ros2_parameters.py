@@ -7,11 +7,12 @@ for one part and `**` for any number of them.
 import re
 from functools import lru_cache
 
-from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.arguments import Arguments
+from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.values import (
     NONE,
     Choice,
-    Foreign,
+    FunctionValue,
     Hole,
     Instance,
     Known,
@@ -22,7 +23,8 @@ from rtron.sources.code.interpreter.values import (
     spelled,
 )
 from rtron.sources.code.natives.names import value_of
-from rtron.sources.code.natives.ros2_nodes import NAME, name_of
+from rtron.sources.code.natives.ros2_kinds import is_kind, is_unset, unset
+from rtron.sources.code.natives.ros2_nodes import NAME, name_of, takes_globals
 from rtron.sources.declaration import plain_value
 from rtron.vocabulary import PlainValue
 
@@ -42,6 +44,14 @@ def known(machine: Machine, node: Value, name: Value) -> Value | None:
     found = [_known(machine, node, option) for option in options(name)]
     values = [value for value in found if value is not None]
     return join(values) if values else None
+
+
+def read(machine: Machine, node: Value, name: Value) -> Value:
+    """Return what is read of a parameter that has to be set; one that is declared only throws."""
+    found = known(machine, node, name)
+    if is_unset(found) and machine.catching:
+        raise ThrownError("ParameterUninitializedException", open=True)
+    return Hole("parameter", tainted=True) if found is None else found
 
 
 def is_declared(machine: Machine, node: Value, name: Value) -> bool | None:
@@ -66,19 +76,30 @@ def setting(machine: Machine, node: Value, name: Value) -> Value | None:
     own = node.fields.get(OVERRIDES) if isinstance(node, Instance) else None
     if isinstance(own, ListValue):
         for item in reversed(own.items):
-            if isinstance(item, Instance) and item.fields.get("name") == name:
+            if isinstance(item, Instance) and _is_called(item.fields.get("name"), name):
                 return item.fields.get("value", NONE)
     full, found = spelled(name_of(node)), None
-    for one in machine.recorder.site.settings:
+    for one in machine.recorder.site.settings if takes_globals(node) else ():
         if one.name == name.value and _pattern(one.node).fullmatch(full):
             found = one
     return None if found is None else value_of(found.value, short(machine, node, found.name))
 
 
+def _is_called(given: Value | None, name: Known) -> bool:
+    return isinstance(given, Known) and given.value == name.value
+
+
+def watch_changes(machine: Machine, arguments: Arguments) -> None:
+    """Remember the functions that a change of parameters calls."""
+    for value in (*arguments.values, *arguments.keywords.values()):
+        machine.setters += [o.function for o in options(value) if isinstance(o, FunctionValue)]
+
+
 def short(machine: Machine, node: Value, name: str) -> str:
     """Return a parameter as a note spells it: `~topic` of the site's node, `/other/topic`."""
     full = spelled(name_of(node))
-    own = machine.recorder.site.name == full or not machine.recorder.site.named
+    site = machine.recorder.site
+    own = site.name == full or not (site.named or site.loading)
     return f"~{name}" if own else f"{full}/{name}"
 
 
@@ -114,10 +135,12 @@ def _overridden(machine: Machine, node: Value, name: Value, default: Value | Non
     if found is not None and not isinstance(found, Hole):
         return found
     hole = Hole(short(machine, node, spelled(name)), tainted=True)
+    if default is not None and is_kind(default) and found is None and _all_known(machine, node):
+        return unset(hole.why)
     if default is None or is_kind(default):
         return hole
     marked = _marked(default)
-    if found is None and machine.recorder.site.complete:
+    if found is None and _all_known(machine, node):
         return marked
     return _with_one_more(marked, hole) or join((marked, hole))
 
@@ -135,16 +158,16 @@ def _known(machine: Machine, node: Value, name: Value) -> Value | None:
     if key in machine.parameters:
         return machine.parameters[key]
     found = setting(machine, node, name)
-    if found is None and not machine.recorder.site.complete:
+    if found is None and not _all_known(machine, node):
         return Hole(short(machine, node, spelled(name)), tainted=True)
     return found
 
 
-def is_kind(default: Value) -> bool:
-    """Tell whether what is declared is a type alone: `rclcpp::PARAMETER_STRING`."""
-    name = default.name if isinstance(default, Foreign) else ""
-    name = default.why if isinstance(default, Hole) else name
-    return "PARAMETER_" in name or "Parameter.Type" in name or "get_type" in name
+def _all_known(machine: Machine, node: Value) -> bool:
+    """Tell whether all that is set for a node is known."""
+    site = machine.recorder.site
+    process = site.loading is None or site.loading.known or not takes_globals(node)
+    return site.complete and process
 
 
 def _marked(value: Value) -> Value:
