@@ -79,6 +79,8 @@ def _added(left: Value, right: Value) -> Value:
 
 
 def _arithmetic(name: str, left: Value, right: Value) -> Value:
+    if name == "/" and _is_text(left) and _is_text(right):
+        return concat((left, Known("/"), right))
     tainted = is_tainted(left) or is_tainted(right)
     if not (isinstance(left, Known) and isinstance(right, Known)) or name not in _ARITHMETIC:
         return Hole(_hole_name(left, right), tainted)
