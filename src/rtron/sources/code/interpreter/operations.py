@@ -79,8 +79,6 @@ def _added(left: Value, right: Value) -> Value:
 
 
 def _arithmetic(name: str, left: Value, right: Value) -> Value:
-    if name == "/" and _is_text(left) and _is_text(right):
-        return concat((left, Known("/"), right))
     tainted = is_tainted(left) or is_tainted(right)
     if not (isinstance(left, Known) and isinstance(right, Known)) or name not in _ARITHMETIC:
         return Hole(_hole_name(left, right), tainted)
@@ -88,7 +86,10 @@ def _arithmetic(name: str, left: Value, right: Value) -> Value:
         if name == "*" and not _small(left.value, right.value):
             return Hole("large", tainted)
         return Known(_bounded(_ARITHMETIC[name](left.value, right.value)), tainted)
-    except (ArithmeticError, TypeError, ValueError):
+    except TypeError:
+        is_path = name == "/" and _is_text(left) and _is_text(right)
+        return concat((left, Known("/"), right)) if is_path else Hole("?", tainted)
+    except (ArithmeticError, ValueError):
         return Hole("?", tainted)
 
 
