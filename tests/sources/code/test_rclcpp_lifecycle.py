@@ -1,7 +1,5 @@
 """Lifecycle nodes, plugins and behaviour trees."""
 
-from pathlib import Path
-
 import pytest
 from ros2_runs import UNLAUNCHED, implied, names, run_text, settings, site
 
@@ -140,51 +138,3 @@ def test_what_another_package_defines_is_found_in_its_sources(workspace):
 def test_a_plugin_that_is_nowhere_is_noted(workspace):
     found = hosted(workspace, settings=settings(first__plugin="gone::Layer"))
     assert "plugin gone::Layer" in [note.what for note in found.unresolved]
-
-
-TREE = """
-namespace tree {
-class Wait : public BT::ConditionNode { public:
-  Wait(const std::string & name, const BT::NodeConfiguration & config)
-  : BT::ConditionNode(name, config) {
-    auto node = this->config().blackboard->get<rclcpp::Node::SharedPtr>("node");
-    std::string topic;
-    getInput("topic", topic);
-    node->create_subscription<std_msgs::msg::Bool>(topic, 1, [](auto m) {});
-  }
-  static BT::PortsList providedPorts() {
-    return { BT::InputPort<std::string>("topic", "wait_for", "what to wait for") }; } };
-}
-BT_REGISTER_NODES(factory) { factory.registerNodeType<tree::Wait>("Wait"); }
-"""
-ENGINE = """
-class Engine : public rclcpp::Node { public:
-  Engine() : Node("engine") {
-    factory_.registerFromPlugin(BT::SharedLibrary::getOSName("wait_node"));
-    blackboard_ = BT::Blackboard::create();
-    blackboard_->set<rclcpp::Node::SharedPtr>("node", shared_from_this());
-  }
-  BT::BehaviorTreeFactory factory_;
-  BT::Blackboard::Ptr blackboard_; };
-int main() { rclcpp::spin(std::make_shared<Engine>()); }
-"""
-
-
-def engine(tmp_path: Path, **given):
-    cmake = "project(trees)\nadd_library(wait_node wait.cpp)\nadd_executable(engine engine.cpp)\n"
-    files = {"CMakeLists.txt": cmake, "wait.cpp": TREE, "engine.cpp": ENGINE}
-    for name, text in {"package.xml": "<package><name>trees</name></package>", **files}.items():
-        (tmp_path / name).write_text(text)
-    found = ros2_workspace([tmp_path])
-    sources = found.executable("trees", "engine").sources
-    return run_cpp(sources, site(**given), WorkspaceFiles(found))
-
-
-def test_nodes_of_a_behaviour_tree_are_made_with_their_ports_defaults(tmp_path):
-    assert names(engine(tmp_path, **UNLAUNCHED)) == ["/wait_for"]
-
-
-def test_with_a_launch_it_is_noted_that_trees_are_not_read(tmp_path):
-    found = engine(tmp_path)
-    assert names(found) == []
-    assert "tree node Wait" in [note.what for note in found.unresolved]

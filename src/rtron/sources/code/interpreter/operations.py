@@ -86,7 +86,10 @@ def _arithmetic(name: str, left: Value, right: Value) -> Value:
         if name == "*" and not _small(left.value, right.value):
             return Hole("large", tainted)
         return Known(_bounded(_ARITHMETIC[name](left.value, right.value)), tainted)
-    except (ArithmeticError, TypeError, ValueError):
+    except TypeError:
+        is_path = name == "/" and _is_text(left) and _is_text(right)
+        return concat((left, Known("/"), right)) if is_path else Hole("?", tainted)
+    except (ArithmeticError, ValueError):
         return Hole("?", tainted)
 
 

@@ -36,6 +36,13 @@ def _replace(machine: Machine, _: object, arguments: Arguments) -> Value:
     return NONE
 
 
+def _share(machine: Machine, _: object, arguments: Arguments) -> Value:
+    """`ament_index_cpp::get_package_share_directory(package)`: where its source lies."""
+    name = arguments.get(0)
+    path = machine.world.files.package_path(str(name.value)) if isinstance(name, Known) else None
+    return Hole("package_share") if path is None else Known(str(path))
+
+
 def _no_node(_: Machine, __: object, ___: Arguments) -> Value:
     return Hole("ok")
 
@@ -44,5 +51,6 @@ FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     **{f"rclcpp::node_interfaces::get_node_{name}_interface": _interface for name in _INTERFACES},
     "rclcpp::expand_topic_or_service_name": _expand,
     "rclcpp::ok": _no_node,
+    **{f"ament_index_cpp::get_package_share_{what}": _share for what in ("directory", "path")},
     "std::replace": _replace,
 }

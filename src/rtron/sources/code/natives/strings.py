@@ -250,8 +250,22 @@ PYTHON_TEXT: Methods = {
     "decode": _recoded,
     "splitlines": _lines,
 }
+
+
+def _bounds(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
+    """`text.starts_with(part)`, `text.ends_with(part)`."""
+    part = arguments.get(0)
+    if isinstance(owner, Known) and isinstance(part, Known) and isinstance(part.value, str):
+        text = str(owner.value)
+        found = text.startswith(part.value) if name == "starts_with" else text.endswith(part.value)
+        return Known(found, owner.tainted)
+    return Hole(name)
+
+
 CPP_TEXT: Methods = {
     **dict.fromkeys(("c_str", "data", "str", "toStdString", "toUtf8", "constData"), _same),
+    **dict.fromkeys(("string", "generic_string"), _same),
+    **{name: partial(_bounds, name) for name in ("starts_with", "ends_with")},
     **dict.fromkeys(("size", "length"), _length),
     "empty": _empty,
     "substr": _substr,
