@@ -77,6 +77,9 @@ def chosen_app(chosen: Chosen) -> App:
 
 def _chosen_app(chosen: Chosen) -> App:
     paths = chosen.paths
+    if chosen.static.execute and not chosen.folders:
+        help = "give folders with source, and --launch"
+        raise InputError("--execute-launch without an app in source", help=help)
     if paths and chosen.running:
         help = "leave one of the two out"
         raise InputError(f"both {paths[0]} and --live are given", help=help)
@@ -104,9 +107,7 @@ def _in_file(graph: Path) -> App:
 
 def _static(chosen: Chosen) -> App:
     source: StaticSource = static_source(chosen.folders, chosen.arguments, chosen.static)
-    words = [*map(str, chosen.folders), *chosen.arguments]
-    words += [word for launch in chosen.static.launches for word in ("--launch", launch)]
-    words += [word for each in chosen.static.env for word in ("--env", each)]
+    words = [*map(str, chosen.folders), *chosen.arguments, *chosen.static.words]
     return App(
         source,
         ", ".join(chosen.static.launches),

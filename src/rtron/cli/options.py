@@ -44,6 +44,23 @@ Env = Annotated[
         help="The app's environment; can be repeated. Yours is not used, but ROS_PACKAGE_PATH.",
     ),
 ]
+Execute = Annotated[
+    bool,
+    typer.Option(
+        "--execute-launch",
+        help="RUN the Python of ROS 2 launch files, with your rights, where reading them leaves "
+        "something open. Needs ROS 2's launch library. Nothing that they start is started.",
+    ),
+]
+LaunchPython = Annotated[
+    str | None,
+    typer.Option(
+        "--launch-python",
+        metavar="PYTHON",
+        help="The Python that has launch, for --execute-launch.  [default: that of `ros2`]",
+        show_default=False,
+    ),
+]
 Jobs = Annotated[
     int | None,
     typer.Option(

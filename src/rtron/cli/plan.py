@@ -11,9 +11,11 @@ from rtron.cli.options import (
     DEFAULT_MASTER,
     Domain,
     Env,
+    Execute,
     Inputs,
     Jobs,
     Launches,
+    LaunchPython,
     Lists,
     Live,
     LiveTimeout,
@@ -56,6 +58,8 @@ def plan(  # noqa: PLR0913 - one for each option
     *,
     launch: Launches = None,
     env: Env = None,
+    execute_launch: Execute = False,
+    launch_python: LaunchPython = None,
     live: Live = False,
     master: Master = DEFAULT_MASTER,
     ros: RosOption = Ros.AUTO,
@@ -101,7 +105,14 @@ def plan(  # noqa: PLR0913 - one for each option
         return tuned(Tuning(run=from_run, plan=plan_file, output=output, format=format))
     if plan_file:
         raise InputError("--plan without --from-run", help="`rtron check` checks a plan")
-    static = StaticChoice(launches=launch or (), env=env or (), jobs=jobs, use_cache=not no_cache)
+    static = StaticChoice(
+        launches=launch or (),
+        env=env or (),
+        jobs=jobs,
+        use_cache=not no_cache,
+        execute=execute_launch,
+        python=launch_python,
+    )
     running = RunningApp(ros=ros, master=master, domain=domain, timeout=timeout)
     chosen = Chosen(inputs=inputs or (), running=running if live else None, static=static)
     app = chosen_app(chosen)

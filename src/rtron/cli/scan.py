@@ -13,9 +13,11 @@ from rtron.cli.options import (
     DEFAULT_MASTER,
     Domain,
     Env,
+    Execute,
     Inputs,
     Jobs,
     Launches,
+    LaunchPython,
     Lists,
     Live,
     LiveTimeout,
@@ -71,6 +73,8 @@ def scan(  # noqa: PLR0913 - one for each option
     *,
     launch: Launches = None,
     env: Env = None,
+    execute_launch: Execute = False,
+    launch_python: LaunchPython = None,
     live: Live = False,
     master: Master = DEFAULT_MASTER,
     ros: RosOption = Ros.AUTO,
@@ -111,7 +115,14 @@ def scan(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """
-    static = StaticChoice(launches=launch or (), env=env or (), jobs=jobs, use_cache=not no_cache)
+    static = StaticChoice(
+        launches=launch or (),
+        env=env or (),
+        jobs=jobs,
+        use_cache=not no_cache,
+        execute=execute_launch,
+        python=launch_python,
+    )
     running = RunningApp(ros=ros, master=master, domain=domain, timeout=timeout)
     chosen = Chosen(inputs=inputs or (), running=running if live else None, static=static)
     if chosen.folders and not launch and not live:

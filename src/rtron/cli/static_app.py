@@ -14,6 +14,7 @@ from rtron.sources.static.options import ScanOptions
 from rtron.vocabulary import InteractionGraph
 
 if TYPE_CHECKING:
+    from rtron.sources.launch2.executed.execution import Execution
     from rtron.sources.workspace import Workspace
 
 _TAKEN = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
@@ -27,6 +28,16 @@ class StaticChoice:
     env: Sequence[str] = ()
     jobs: int | None = None
     use_cache: bool = True
+    execute: bool = False
+    python: str | None = None
+
+    @property
+    def words(self) -> list[str]:
+        """The words of a command line that choose the same app."""
+        words = [word for launch in self.launches for word in ("--launch", launch)]
+        words += [word for each in self.env for word in ("--env", each)]
+        words += ["--execute-launch"] if self.execute else []
+        return words + (["--launch-python", self.python] if self.python else [])
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +92,20 @@ def static_source(
     if choice.jobs:
         options = replace(options, workers=choice.jobs)
     ros = _sole({path: generation_of(path) for path, _ in launches})
+    options = replace(options, execution=_execution(choice, ros))
     return StaticSource(tuple(folders), tuple(launches), environ, options, workspace, ros)
+
+
+def _execution(choice: StaticChoice, ros: int) -> "Execution | None":
+    """Return how launch files are executed; raise InputError where they cannot be."""
+    from rtron.sources.launch2.executed.execution import Execution  # noqa: PLC0415 - likewise
+
+    if choice.python and not choice.execute:
+        raise InputError("--launch-python without --execute-launch", help="give both, or none")
+    if choice.execute and ros == 1:
+        help = "leave it out: launch files of ROS 1 hold no Python"
+        raise InputError("--execute-launch is for launch files of ROS 2", help=help)
+    return Execution(python=choice.python) if choice.execute else None
 
 
 def _sole(generations: Mapping[Path, int]) -> int:

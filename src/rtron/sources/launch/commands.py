@@ -15,7 +15,8 @@ Describe: TypeAlias = Callable[[Path, Mapping[str, str]], str | UnknownValue]
 """Evaluates a xacro file with its mappings to a robot description."""
 
 _XACRO = frozenset({"xacro", "xacro.py"})
-_BEFORE = frozenset({"env", "python", "python2", "python3", "rosrun"})
+_BEFORE = {"env": 1, "python": 1, "python2": 1, "python3": 1, "rosrun": 2, "ros2": 3}
+"""What may stand before a program, and how many words it takes: `ros2 run PACKAGE`."""
 _WITH_WORD = frozenset({"-o", "--output", "--deps", "--verbosity"})
 
 
@@ -44,7 +45,7 @@ def recognise(command: str) -> Xacro | Cat | None:
     if names[:1] == ["cat"] and len(words) == len(["cat", "FILE"]):
         return None if words[1].startswith("-") else Cat(file=words[1])
     while names and names[0] in _BEFORE:
-        skipped = 2 if names[0] == "rosrun" else 1
+        skipped = _BEFORE[names[0]]
         names, words = names[skipped:], words[skipped:]
     return _xacro(words[1:]) if names[:1] and names[0] in _XACRO else None
 

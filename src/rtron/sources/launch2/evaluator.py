@@ -9,6 +9,7 @@ from pathlib import Path
 from rtron.sources.launch.unresolvable import UnresolvableError
 from rtron.sources.launch2.bounds import Bounds
 from rtron.sources.launch2.choices import Choices
+from rtron.sources.launch2.commands import Commands
 from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.functions import Function, closed, said, truth
 from rtron.sources.launch2.lookups import Lookups
@@ -35,12 +36,19 @@ class Evaluator(Notes):
     choices: Choices
     installed: Callable[[str], str] = str
     files: YamlFiles = field(init=False)
+    commands: Commands = field(init=False)
     bounds: Bounds = field(default_factory=Bounds)
     touched: set[Source] = field(default_factory=set)
 
     def __post_init__(self) -> None:
-        """Let the files count in the same bounds."""
+        """Let the files count in the same bounds, and commands make notes."""
         self.files = YamlFiles(self.bounds, self.installed)
+        self.commands = Commands(
+            packages=self.packages,
+            environ=self.environ,
+            installed=self.installed,
+            notes=self.unresolved,
+        )
 
     def text(self, element: Element, key: str, scope: Scope, place: Place) -> str | None:
         """Return an attribute's value as `value` does; it decides what starts, or a name."""
@@ -140,7 +148,7 @@ class Evaluator(Notes):
             "anon": lambda words: f"{words[0]}_{UNKNOWN}",
             "config-equals": partial(_is_set_to, scope),
             "node-name": lambda words: scope.full_name(*words),
-            **Lookups(self.environ, self.packages, self.symbolic).functions(),
+            **Lookups(self.environ, self.packages, self.symbolic, self.commands).functions(),
         }
 
 

@@ -8,7 +8,7 @@ from rtron.errors import InputError
 from rtron.sources.launch.yaml_text import YamlLeaf, YamlTree
 from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.evaluator import Evaluator
-from rtron.sources.launch2.parameter_file import entries_of, quoted, yaml_value
+from rtron.sources.launch2.parameter_file import entries_of, text_value, yaml_value
 from rtron.sources.launch2.parameters import ALL, Entries, ParameterSource
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
@@ -93,7 +93,7 @@ class Given:
         if separator:
             return [yaml_value(part) for part in text.split(separator)]
         plain = param.plain("type") in _STRINGS or not text
-        return yaml_value(quoted(text) if plain else text)
+        return text_value(text) if plain else yaml_value(text)
 
     def _file(self, element: Element, key: str) -> Iterator[ParameterSource]:
         """Yield what a parameter file says; one that cannot be read is noted.

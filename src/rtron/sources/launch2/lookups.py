@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rtron.folders import is_there
 from rtron.sources.launch.unresolvable import UnresolvableError
+from rtron.sources.launch2.commands import Commands
 from rtron.sources.launch2.functions import Function, closed, given
 from rtron.sources.launch2.pieces import shown
 
@@ -20,6 +21,7 @@ class Lookups:
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
     symbolic: bool
+    commands: Commands
 
     def functions(self) -> Mapping[str, Function]:
         """Return the substitutions by their names."""
@@ -51,4 +53,7 @@ class Lookups:
         return f"{self._prefix([package])}/lib/{package}/{executable}"
 
     def _command(self, words: list[str]) -> str:
-        raise UnresolvableError(f"$(command {shown(words[0])[:80]}) is not run")
+        command = given(words, 1, 2)[0]
+        if not self.symbolic:
+            raise UnresolvableError(f"$(command {shown(command)[:80]}) is not run")
+        return self.commands.printed(command)

@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import yaml
-
 from rtron.errors import InputError
 from rtron.folders import is_there
 from rtron.sources.bounded import read_bounded
@@ -63,7 +61,7 @@ def flat(tree: YamlTree, prefix: str, path: str) -> Iterator[tuple[str, Paramete
 def yaml_value(text: str) -> ParameterValue:
     """Return what a text is by the rules of YAML, as launch_ros takes it; else the text itself."""
     if has_hole(text):
-        return UnknownValue(shown(text))
+        return text_value(text)
     try:
         leaf = tree_of(text, "")
     except InputError:
@@ -72,8 +70,6 @@ def yaml_value(text: str) -> ParameterValue:
     return text if isinstance(plain, UnknownValue) else plain
 
 
-def quoted(text: str) -> str:
-    """Return a text as YAML that stays a string."""
-    if has_hole(text):
-        return text
-    return str(yaml.safe_dump(text, width=10**6, default_style='"', allow_unicode=True)).strip()
+def text_value(text: str) -> str | UnknownValue:
+    """Return a text that stays one; what is not known of it stands in braces."""
+    return UnknownValue(shown(text)) if has_hole(text) else text

@@ -30,7 +30,8 @@ class Start:
     words of a command line, for a process the whole of it. `complete` says that every parameter
     file is known, `extra` are a component's extra arguments. `conditions` are those that it stands
     under, `doubtful` says that one of them is not known. `event` is what it waits for. `chain` has
-    the includes around, outermost first.
+    the includes around, outermost first. `executed` says that the launch file was run to find it;
+    conditions and chain are not known then.
     """
 
     kind: StartKind
@@ -52,6 +53,7 @@ class Start:
     event: str = ""
     evidence: Evidence
     chain: tuple[Evidence, ...] = ()
+    executed: bool = False
 
     @property
     def full_name(self) -> str:

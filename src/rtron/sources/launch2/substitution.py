@@ -14,7 +14,11 @@ from rtron.sources.launch2.pieces import Call, Deferred, Pieces, Written, first_
 
 MAX_TEXT = 16_384
 MAX_LONG = 65_536
-"""The most for what only the graph asks for: a parameter may be the description of a robot."""
+"""The most for what only the graph asks for."""
+MAX_PRINTED = 2**20
+"""The most that a command prints: a parameter may be the description of a robot."""
+_WHOLE = frozenset({"command", "var", "if"})
+"""What gives a text as it is, and may be longer where nothing stands beside it."""
 _MAX_DEPTH = 24
 _NAME = re.compile(r"[A-Za-z][\w-]*")
 
@@ -98,7 +102,8 @@ class Substitution:
     def perform(self, pieces: Pieces) -> str:
         """Return a text that is taken apart already, its substitutions replaced."""
         found = (piece if isinstance(piece, str) else self._piece(piece) for piece in pieces)
-        return self._bounded("".join(found))
+        text = "".join(found)
+        return text if len(pieces) == 1 and _is_whole(pieces[0]) else self._bounded(text)
 
     def _piece(self, piece: Call | Deferred) -> str:
         if isinstance(piece, Deferred):
@@ -121,6 +126,10 @@ class Substitution:
         if function is None:
             raise UnresolvableError(f"$({name} …) is not evaluated")
         return function(arguments)
+
+
+def _is_whole(piece: str | Call | Deferred) -> bool:
+    return isinstance(piece, str) or (isinstance(piece, Call) and piece.name in _WHOLE)
 
 
 def _called(name: str, arguments: list[str]) -> str:

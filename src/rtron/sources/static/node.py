@@ -18,7 +18,8 @@ class AppNode:
     """A node, what it runs, and the line that starts it; `started_by` is a node or empty.
 
     In ROS 2 a component is loaded by `container`, `type` is its class then. `rules` are the remap
-    rules of its process as written, `doubtful` says that it starts on a condition not known.
+    rules of its process as written, `doubtful` says that it starts on a condition not known,
+    `executed` that its launch file was run to find it.
     """
 
     site: NodeSite
@@ -29,6 +30,7 @@ class AppNode:
     container: str = ""
     rules: tuple[Rule, ...] = ()
     doubtful: bool = False
+    executed: bool = False
 
     @property
     def name(self) -> str:
@@ -40,6 +42,7 @@ class AppNode:
         """Where the node comes from: the place, and the node that starts it if one does."""
         place = f"{self.evidence.file}:{self.evidence.line}"
         place = f"{place} (on a condition that is not known)" if self.doubtful else place
+        place = f"{place} (executed)" if self.executed else place
         return f"started by {self.started_by} ({place})" if self.started_by else place
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.launch2.app import read_app_launch
+from rtron.sources.launch2.executed.execution import Execution
 from rtron.sources.launch2.result import AppLaunch
 from rtron.sources.models import LIBRARY2, load_models
 from rtron.sources.static.cache import open_cache
@@ -30,14 +31,17 @@ def scan_ros2_app(
     environ: Mapping[str, str],
     options: ScanOptions | None = None,
 ) -> InteractionGraph:
-    """Return the interaction graph of the app that launch files start, nothing is run.
+    """Return the interaction graph of the app that launch files start; nothing of it is run.
 
     Raise InputError if a given launch file cannot be read, or an argument is missing that it needs;
-    what is wrong elsewhere stands in the graph's `unresolved`.
+    what is wrong elsewhere stands in the graph's `unresolved`. Where the options allow it, a launch
+    file that reading does not explain whole is run with the launch library (`executed`).
     """
     chosen, workspace = options or ScanOptions(), ros2_workspace(folders)
     files = WorkspaceFiles(workspace)
     read = _read(launches, environ, files)
+    if chosen.execution:
+        read = _executed(chosen.execution, read, launches, environ, files)
     started = StartedNodes(workspace=workspace, environ=environ)
     nodes = list(started.nodes([start for launch in read for start in launch.starts]))
     state = workspace_state(workspace) if chosen.cache else ""
@@ -67,6 +71,20 @@ def _read(
     for launch, (_, given) in zip(found, launches, strict=True):
         _check(launch, given)
     return found
+
+
+def _executed(
+    execution: Execution,
+    read: Sequence[AppLaunch],
+    launches: Sequence[Launch],
+    environ: Mapping[str, str],
+    files: WorkspaceFiles,
+) -> list[AppLaunch]:
+    """Return the launches with those executed that reading leaves holes in."""
+    return [
+        execution.launch(path, given, environ, files) if launch.unresolved else launch
+        for launch, (path, given) in zip(read, launches, strict=True)
+    ]
 
 
 def _check(launch: AppLaunch, given: Mapping[str, str]) -> None:

@@ -134,4 +134,5 @@ def _app_node(start: Start, site: NodeSite, process: Start | None) -> AppNode:
         container=start.container,
         rules=process.remaps if process else (),
         doubtful=start.doubtful,
+        executed=start.executed,
     )

@@ -18,7 +18,6 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.natives.launch_calls import call_name, given
 from rtron.sources.launch2.element import Element
-from rtron.sources.launch2.parameter_file import quoted
 from rtron.sources.launch2.pieces import Pieces, Written, hole
 from rtron.sources.launch2.python.texts import Texts
 
@@ -82,8 +81,8 @@ def _value(texts: Texts, value: Value) -> tuple[dict[str, Written], tuple[Elemen
             return {"value": texts.pieces(fields.get("value")), "type": "str"}, ()
         return inner, children
     if isinstance(value, Known):
-        text = quoted(value.value) if isinstance(value.value, str) else str(value.value)
-        return {"value": (text,)}, ()
+        plain: dict[str, Written] = {"type": "str"} if isinstance(value.value, str) else {}
+        return {"value": (str(value.value),), **plain}, ()
     if isinstance(value, ListValue) and not _is_one_text(value):
         return {"value": ("[]",)}, tuple(_item(texts, item) for item in value.items)
     return {"value": texts.pieces(value)}, ()

@@ -28,7 +28,7 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.natives.launch_calls import ALL, call_name, given
 from rtron.sources.code.natives.launch_names import MODULES
 from rtron.sources.launch2.pieces import Call, Deferred, Pieces, hole, parts
-from rtron.sources.launch2.substitution import MAX_LONG
+from rtron.sources.launch2.substitution import MAX_PRINTED
 from rtron.sources.launch2.view import View
 
 Fields: TypeAlias = Mapping[str, Value]
@@ -56,7 +56,7 @@ class Texts:
             return ()
         if isinstance(value, Known):
             text = plain(value.value)
-            return (text if len(text) < MAX_LONG else hole("a long text"),)
+            return (text if len(text) <= MAX_PRINTED else hole("a long text"),)
         if isinstance(value, Text):
             return ("".join(p if isinstance(p, str) else hole(p.why) for p in value.parts),)
         if isinstance(value, ListValue):

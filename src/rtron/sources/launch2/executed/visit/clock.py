@@ -1,0 +1,31 @@
+"""An event loop that does not wait: where nothing is left but a timer, its time has come."""
+
+import asyncio
+import selectors
+
+
+class _Impatient(selectors.DefaultSelector):
+    """Lets the clock go on where it should wait; without a timeout it waits."""
+
+    ahead = 0.0
+
+    def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
+        """Return what is ready; where that is nothing, the timeout is over at once."""
+        if timeout is None or timeout <= 0:
+            return super().select(timeout)
+        ready = super().select(0)
+        if not ready:
+            self.ahead += timeout
+        return ready
+
+
+class ImpatientLoop(asyncio.SelectorEventLoop):
+    """A loop whose timers fire in their order, each as soon as nothing else is to be done."""
+
+    def __init__(self) -> None:
+        self._impatient = _Impatient()
+        super().__init__(self._impatient)
+
+    def time(self) -> float:
+        """Return the time, with all that was not waited for."""
+        return super().time() + self._impatient.ahead

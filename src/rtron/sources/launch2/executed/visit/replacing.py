@@ -1,0 +1,94 @@
+"""What of launch and launch_ros is replaced, so that a visit starts nothing and waits for nothing.
+
+Sources: docs.ros.org, launch and launch_ros; their classes' docstrings.
+"""
+
+import functools
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, TypeAlias
+
+import launch
+import launch.actions.execute_local
+import launch_ros.actions
+import launch_ros.descriptions
+import launch_ros.ros_adapters
+
+from .found import Found
+from .places import KEY, called_from
+from .processes import not_started
+from .recording import Recording
+from .waiting import Waiting
+
+Thing: TypeAlias = Any
+Method: TypeAlias = Callable[..., Any]
+
+
+class _Nothing:
+    """A ROS node that is not there: whatever is asked of it, it is nothing too."""
+
+    def __getattr__(self, name: str) -> "_Nothing":
+        return self
+
+    def __call__(self, *_: object, **__: object) -> "_Nothing":
+        return self
+
+    def shutdown(self) -> None:
+        """Do nothing: nothing runs."""
+
+
+def replace_all(found: Found, root: str) -> None:
+    """Replace what starts processes, asks ROS, runs commands or waits; record what would start."""
+    launch.actions.execute_local.async_execute_process = not_started
+    launch_ros.ros_adapters.ROSAdapter = _Nothing
+    recording, waiting = Recording(found, root), Waiting(found)
+    for cls in (launch.Action, launch_ros.descriptions.ComposableNode):
+        _around(cls, "__init__", _placing)
+    _around(launch_ros.actions.Node, "__init__", recording.counting)
+    _around(launch.actions.ExecuteLocal, "execute", recording.executing)
+    _around(launch_ros.actions.LoadComposableNodes, "execute", recording.loading)
+    _around(launch.actions.DeclareLaunchArgument, "execute", recording.declaring)
+    _around(launch.actions.IncludeLaunchDescription, "execute", recording.including)
+    _around(launch.actions.EmitEvent, "execute", waiting.emitting)
+    _around(launch.actions.RegisterEventHandler, "execute", waiting.registering)
+    _around(launch.actions.TimerAction, "handle", waiting.firing)
+    timer = getattr(launch_ros.actions, "RosTimer", None)
+    if timer is not None:
+        timer._wait_to_fire_event = launch.actions.TimerAction._wait_to_fire_event  # noqa: SLF001
+    _replace_substitutions(found)
+
+
+def _replace_substitutions(found: Found) -> None:
+    from .substituting import Substituting  # noqa: PLC0415 - after the libraries are there
+
+    own = Substituting(found)
+    _around(launch.LaunchContext, "perform_substitution", own.performing)
+    for module, name, replacement in (
+        (launch.substitutions, "Command", own.command),
+        (launch.substitutions, "FindExecutable", own.named("name")),
+        (launch_ros.substitutions, "ExecutableInPackage", own.named("executable")),
+        (launch.substitutions, "PythonExpression", own.deciding),
+        (launch.substitutions, "EqualsSubstitution", own.deciding),
+        (launch.substitutions, "NotEqualsSubstitution", own.deciding),
+    ):
+        cls = getattr(module, name, None)
+        if cls is not None:
+            _around(cls, "perform", replacement)
+
+
+def _around(cls: Thing, name: str, replacement: Method) -> None:
+    """Replace a method; the replacement gets the one that was there first."""
+    original = getattr(cls, name)
+
+    @functools.wraps(original)
+    def method(self: Thing, *args: object, **kwargs: object) -> object:
+        return replacement(original, self, *args, **kwargs)
+
+    setattr(cls, name, method)
+
+
+def _placing(original: Method, thing: Thing, *args: object, **kwargs: object) -> object:
+    """Remember where something is made."""
+    with suppress(AttributeError):
+        setattr(thing, KEY, called_from())
+    return original(thing, *args, **kwargs)

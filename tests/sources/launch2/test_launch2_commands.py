@@ -1,0 +1,169 @@
+"""What commands print that are not run: xacro's robots, and files."""
+
+import pytest
+from launched_app import values, whys
+
+from rtron.vocabulary import UnknownValue
+
+XACRO = """<?xml version="1.0"?>
+<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">
+  <xacro:arg name="prefix" default="p_"/>
+  <xacro:include filename="$(find parts)/urdf/wheel.xacro"/>
+  <xacro:wheel name="$(arg prefix)left"/>
+</robot>
+"""
+WHEEL = """<robot xmlns:xacro="http://ros.org/wiki/xacro">
+  <xacro:macro name="wheel" params="name"><link name="${name}_wheel"/></xacro:macro>
+</robot>
+"""
+
+
+@pytest.fixture
+def robot(package, tmp_path):
+    """Write a robot with a part of an installed package; return its environment."""
+    (package / "urdf").mkdir()
+    (package / "urdf" / "robot.urdf.xacro").write_text(XACRO)
+    urdf = tmp_path / "opt" / "share" / "parts" / "urdf"
+    urdf.mkdir(parents=True)
+    (urdf / "wheel.xacro").write_text(WHEEL)
+    return {"AMENT_PREFIX_PATH": str(tmp_path / "opt")}
+
+
+PATH = "PathJoinSubstitution([FindPackageShare('pkg'), 'urdf', 'robot.urdf.xacro'])"
+PUBLISHER = "Node(package='robot_state_publisher', executable='robot_state_publisher', {})"
+
+
+def described(app):
+    return values(app.starts[0])["robot_description"]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        f"Command(['xacro ', {PATH}, ' prefix:=', LaunchConfiguration('prefix')])",
+        f"Command([FindExecutable(name='xacro'), ' ', {PATH}, ' prefix:=a_'])",
+        f"Command(['ros2 run xacro xacro ', {PATH}, ' prefix:=a_'])",
+        f"ParameterValue(Command(['xacro ', {PATH}, ' prefix:=a_'], on_stderr='warn'), str)",
+    ],
+)
+def test_a_robot_is_described_as_xacro_would(python, robot, command):
+    declared = "DeclareLaunchArgument('prefix', default_value='a_'), "
+    node = PUBLISHER.format(f"parameters=[{{'robot_description': {command}}}]")
+    app = python(declared + node, environ=robot)
+    assert '<link name="a_left_wheel"' in described(app)
+    assert app.unresolved == ()
+
+
+def test_the_same_in_xml_and_yaml(xml, read, robot):
+    text = "$(command 'xacro $(find-pkg-share pkg)/urdf/robot.urdf.xacro prefix:=b_')"
+    param = f'<param name="robot_description" type="str" value="{text}"/>'
+    app = xml(f'<node pkg="p" exec="e">{param}</node>', robot)
+    assert '<link name="b_left_wheel"' in described(app)
+    param = f'{{name: robot_description, type: str, value: "{text}"}}'
+    app = read(f"launch: [node: {{pkg: p, exec: e, param: [{param}]}}]", "yaml", robot)
+    assert '<link name="b_left_wheel"' in described(app)
+    assert app.unresolved == ()
+
+
+def test_a_function_may_look_at_it(program, robot):
+    text = f"""
+def described(context):
+    text = Command(['xacro ', {PATH}]).perform(context)
+    return [Node(package='p', executable='e', parameters=[{{'robot_description': text}}])]
+
+def generate_launch_description():
+    return LaunchDescription([OpaqueFunction(function=described)])
+"""
+    app = program(text, environ=robot)
+    assert '<link name="p_left_wheel"' in described(app)
+    assert app.unresolved == ()
+
+
+def test_a_description_longer_than_other_texts(python, package):
+    links = "".join(f'<link name="link_{number}"/>' for number in range(9_000))
+    (package / "big.xacro").write_text(f"<robot name='r'>{links}</robot>")
+    command = "Command(['xacro ', FindPackageShare('pkg'), '/big.xacro'])"
+    app = python(
+        f"DeclareLaunchArgument('d', default_value={command}),"
+        "Node(package='p', executable='e',"
+        " parameters=[{'robot_description': ParameterValue(LaunchConfiguration('d'), str)}])"
+    )
+    assert '<link name="link_8999"' in described(app)
+    assert app.unresolved == ()
+    macro = f"<xacro:macro name='m' params=''>{links[: links.index('link_400') - 12]}</xacro:macro>"
+    text = f"<robot xmlns:xacro='x'>{macro}{'<xacro:m/>' * 200}</robot>"
+    (package / "big.xacro").write_text(text)
+    app = python(f"Node(package='p', executable='e', name={command})")
+    assert whys(app)[0].endswith("more than 1048576 characters are printed")
+
+
+def test_a_file_is_printed(python, package):
+    (package / "r.urdf").write_text("<robot name='plain'/>")
+    command = "Command(['cat ', FindPackageShare('pkg'), '/r.urdf'])"
+    app = python(f"Node(package='p', executable='e', parameters=[{{'d': {command}}}])")
+    assert values(app.starts[0]) == {"d": "<robot name='plain'/>"}
+    assert app.unresolved == ()
+
+
+@pytest.mark.parametrize(
+    ("command", "why"),
+    [
+        ("'rm -r /'", "$(command rm -r /) is not run"),
+        ("'xacro /no/robot.xacro'", "/no/robot.xacro: No such file"),
+        ("'xacro robot.xacro'", "robot.xacro: the folder of the launch is not known"),
+        ("'cat /no/file'", "/no/file: is no file"),
+        ("'xacro -o /tmp/x /no/robot.xacro'", "$(command xacro -o /tmp/x /no/robot.xacro) is not"),
+        ("['xacro /r.xacro n:=', LaunchConfiguration('z')]", "argument 'z' is not given"),
+        ("['which ', LaunchConfiguration('z')]", "$(command which {z}) is not run"),
+    ],
+)
+def test_what_is_not_known_is_noted(python, command, why):
+    app = python(f"Node(package='p', executable='e', parameters=[{{'d': Command({command})}}])")
+    assert isinstance(values(app.starts[0])["d"], UnknownValue)
+    assert any(why in one for one in whys(app)), whys(app)
+    place = next(note for note in app.unresolved if why in note.why).evidence[0]
+    assert (place.file.endswith("app.launch.py"), place.line > 0) == (True, True)
+
+
+def test_what_xacro_does_not_resolve_is_noted_where_it_stands(python, package):
+    path = package / "r.xacro"
+    text = "<robot xmlns:xacro='http://ros.org/wiki/xacro'>\n<link name='${open(1)}'/></robot>"
+    path.write_text(text)
+    command = "Command(['xacro ', FindPackageShare('pkg'), '/r.xacro'])"
+    app = python(f"Node(package='p', executable='e', parameters=[{{'d': {command}}}])")
+    assert "<robot" in values(app.starts[0])["d"]
+    assert [(one.evidence[0].file, one.evidence[0].line) for one in app.unresolved] == [
+        (str(path), 2)
+    ]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "<xacro:macro name='m' params=''><xacro:m/><xacro:m/></xacro:macro><xacro:m/>",
+        "<xacro:include filename='r.xacro'/><xacro:include filename='r.xacro'/>",
+        "<a>" * 3_000,
+        "<!DOCTYPE r [<!ENTITY a 'b'>]>",
+    ],
+)
+def test_hostile_robots_end(python, package, body):
+    text = f"<robot xmlns:xacro='http://ros.org/wiki/xacro'>{body}</robot>"
+    (package / "r.xacro").write_text(text)
+    command = "Command(['xacro ', FindPackageShare('pkg'), '/r.xacro a:=', '{}'])"
+    names = ",".join(f"Node(package='p', executable='e', name={command})" for _ in range(3))
+    app = python(names)
+    assert len(app.starts) == 3
+    assert app.unresolved
+
+
+def test_no_more_robots_than_any_app_has(python, package):
+    (package / "r.xacro").write_text("<robot/>")
+    command = "Command(['xacro ', FindPackageShare('pkg'), '/r.xacro a:={}'])"
+    nodes = (
+        f"Node(package='p', executable='e', parameters=[{{'d': {command.format(number)}}}])"
+        for number in range(34)
+    )
+    app = python(",".join(nodes))
+    assert "<robot" in values(app.starts[31])["d"]
+    assert isinstance(values(app.starts[33])["d"], UnknownValue)
+    assert "more than 32 robots are described" in whys(app)
