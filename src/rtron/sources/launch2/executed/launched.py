@@ -61,7 +61,7 @@ class Launched:
             placed=bool(space),
             remaps=(*early, *given.rules(one.added)),
             shared=len(early) + one.shared,
-            sources=(*parameters_in(words), *given.sources(one.added)),
+            sources=(*parameters_in(words, given.place), *given.sources(one.added)),
             arguments=words,
             environ=self._environ(one),
             event=one.event,
