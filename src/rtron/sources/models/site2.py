@@ -14,7 +14,13 @@ from rtron.vocabulary.remap_rules import rules_in
 def ros2_site(model: Model, site: NodeSite) -> NodeSite:
     """Return a site with its own remap rules, and the node's own name if its launch gives none."""
     site = replace(site, remaps=(*rules_in(shlex.join(site.args), ros=False), *site.remaps))
-    if site.named or not model.name or any(word.startswith("__node:=") for word in site.args):
+    if not model.name or _is_named(site):
         return site
     own = Expressions(scope_at(site)).text(model.name)
     return replace(site, name=canonical_name(f"{site.name.rpartition('/')[0]}/{own}"))
+
+
+def _is_named(site: NodeSite) -> bool:
+    """Tell whether a launch names a node: what it says of a component's process is not for it."""
+    is_process = site.loading is None
+    return (site.named and is_process) or any(word.startswith("__node:=") for word in site.args)
