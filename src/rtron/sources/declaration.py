@@ -78,6 +78,9 @@ class ParameterSetting:
     value: ParameterValue
 
 
+_FORWARDED = "forward_global_arguments"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loading:
     """How a container loads a component (rclcpp_components: ComponentManager).
@@ -122,6 +125,16 @@ class NodeSite:
     def process(self) -> str:
         """The full name that a launch gives the nodes of the process."""
         return self.loading.container if self.loading else self.name
+
+    @property
+    def own_settings(self) -> tuple[ParameterSetting, ...]:
+        """The settings that count for the node itself.
+
+        A component has its container's only if `forward_global_arguments` says so
+        (rclcpp_components: ComponentManager).
+        """
+        options = dict(self.loading.options) if self.loading else {_FORWARDED: True}
+        return self.settings if options.get(_FORWARDED) is True else ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -260,3 +260,19 @@ def test_parameters_and_clients_of_source_and_of_models(launched, tmp_path):
         ("/manager", "/amcl/change_state"),
         ("/manager", "/amcl/get_state"),
     }
+
+
+HOSTED = """<launch>
+  <node_container pkg="rclcpp_components" exec="component_container" name="box" namespace=""
+                  args="--ros-args -p enable_stamped_cmd_vel:=false">
+    <composable_node pkg="nav2_velocity_smoother" name="smoother"
+                     plugin="nav2_velocity_smoother::VelocitySmoother">{extra}</composable_node>
+  </node_container>
+</launch>"""
+FORWARDED = '<extra_arg name="forward_global_arguments" value="true"/>'
+
+
+@pytest.mark.parametrize(("extra", "type"), [("", "TwistStamped"), (FORWARDED, "Twist")])
+def test_what_a_container_is_given_counts_for_a_component_if_it_is_forwarded(launched, extra, type):
+    graph = launched({"app.launch.xml": HOSTED.format(extra=extra)})
+    assert f"> /cmd_vel_smoothed geometry_msgs/msg/{type}" in ends(graph, "/smoother")

@@ -33,6 +33,6 @@ def children(scope: Scope, prefix: str) -> list[str]:
 
 def _given(scope: Scope) -> Iterator[tuple[str, ParameterValue]]:
     """Yield what is given, the last of a name counts; overrides are the first node's alone."""
-    yield from ((s.name, s.value) for s in scope.site.settings if names(s.node, scope.private))
+    yield from ((s.name, s.value) for s in scope.site.own_settings if names(s.node, scope.private))
     if scope.private == scope.site.name:
         yield from scope.site.overrides
