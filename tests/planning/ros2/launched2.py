@@ -9,7 +9,7 @@ from pathlib import Path
 DOUBLE = Path(__file__).parents[2] / "ros2" / "launch_double"
 HEAD = """\
 import launch.events
-from launch import LaunchDescription
+from launch import Action, LaunchDescription
 from launch.actions import *
 from launch.conditions import IfCondition, UnlessCondition
 from launch.event_handler import EventHandler

@@ -305,8 +305,8 @@ def test_a_node_of_the_plan_that_never_starts_is_told(guarded):
 @pytest.mark.parametrize(
     ("file", "name"),
     [
-        ("actions.py", "ros_remaps"),
-        ("actions.py", "__composable_node_descriptions"),
+        ("actions/__init__.py", "ros_remaps"),
+        ("actions/load_composable_nodes.py", "__composable_node_descriptions"),
         ("descriptions.py", "__remappings"),
     ],
 )

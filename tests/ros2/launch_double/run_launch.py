@@ -4,37 +4,11 @@ import json
 import logging
 import sys
 
-from launch import LaunchContext, LaunchDescriptionEntity
-from launch.actions import IncludeLaunchDescription, _Starting
-from launch.events import IncludeLaunchDescription as IncludeEvent
-from launch.events import Shutdown
+from launch import LaunchContext
+from launch.actions import IncludeLaunchDescription
+from launch.actions.execute_local import _Starting
 from launch.launch_description_sources import AnyLaunchDescriptionSource
-
-
-def visit_all(entity, context):
-    assert isinstance(entity, LaunchDescriptionEntity), entity
-    inner = entity.visit(context)
-    entity.get_asyncio_future()
-    for one in inner or ():
-        visit_all(one, context)
-
-
-def process(event, context):
-    if isinstance(event, _Starting):
-        event.start(context)
-        return
-    if isinstance(event, IncludeEvent):
-        visit_all(event.launch_description, context)
-    if isinstance(event, Shutdown):
-        context.is_shutdown = context.is_shutdown or event.reason
-    for handler in tuple(context.handlers):
-        if handler.matches(event):
-            context.event = event
-            given = handler.handle(event, context)
-            given = given if isinstance(given, (list, tuple)) else [given]
-            for entity in given:
-                if entity is not None:
-                    visit_all(entity, context)
+from launch.service import process, visit_all
 
 
 def run(path, arguments):
@@ -50,7 +24,8 @@ def run(path, arguments):
         declared = [argument.name for argument in shown]
         visit_all(IncludeLaunchDescription(description, launch_arguments=arguments), context)
         while context.events and not context.is_shutdown:
-            process(context.events.popleft(), context)
+            event = context.events.popleft()
+            event.start(context) if isinstance(event, _Starting) else process(event, context)
     except Exception as raised:  # noqa: BLE001 - as launch does
         error = f"{type(raised).__name__}: {raised}"
     return {

@@ -5,11 +5,13 @@ from launch.core import (
     LaunchDescriptionEntity,
     Substitution,
 )
+from launch.service import LaunchService
 
 __all__ = [
     "Action",
     "LaunchContext",
     "LaunchDescription",
     "LaunchDescriptionEntity",
+    "LaunchService",
     "Substitution",
 ]

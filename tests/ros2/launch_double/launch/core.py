@@ -1,6 +1,7 @@
 import asyncio
 import collections
 import os
+import types
 
 
 class LaunchDescriptionEntity:
@@ -54,6 +55,20 @@ class LaunchContext:
         self.events = collections.deque()
         self.is_shutdown = False
         self.environment = os.environ
+        self._locals = [{}]
+
+    @property
+    def locals(self):
+        return types.SimpleNamespace(**self._locals[-1])
+
+    def extend_locals(self, values):
+        self._locals[-1].update(values)
+
+    def push_locals(self):
+        self._locals.append(dict(self._locals[-1]))
+
+    def pop_locals(self):
+        self._locals.pop()
 
     def perform_substitution(self, substitution):
         return substitution.perform(self)

@@ -13,6 +13,7 @@ class BaseEventHandler:
         return (type(self).__name__, [])
 
     def handle(self, event, context):
+        context.extend_locals({"event": event})
         if self.handle_once:
             context.unregister_event_handler(self)
 

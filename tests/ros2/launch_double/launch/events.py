@@ -19,7 +19,7 @@ class ExecutionComplete:
 
 
 class _RunningProcessEvent:
-    def __init__(self, *, action, name, cmd):
+    def __init__(self, *, action, name, cmd, env):
         self.action, self.process_name, self.cmd = action, name, cmd
 
 

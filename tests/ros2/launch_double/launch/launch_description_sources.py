@@ -14,8 +14,9 @@ class AnyLaunchDescriptionSource(LaunchDescriptionSource):
         self.description = None
 
     def get_launch_description(self, context):
+        self.path = str(Path(perform(context, self.location)).absolute())
         if self.description is None:
-            self.description = self._read(perform(context, self.location))
+            self.description = self._read(self.path)
         return self.description
 
     def try_get_launch_description_without_context(self):

@@ -64,7 +64,7 @@ class Execution:
                 evaluator=evaluator,
             )
             _check(report, marks)
-            return Launched(report=report, marks=marks, made=visit.folder).launch()
+            return Launched(report=report, marks=marks, made=visit.made).launch()
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +81,14 @@ class _Visit:
         """Where the packages of the source stand as if they were installed."""
         return self.folder / "prefix"
 
+    @property
+    def made(self) -> Path:
+        """Where the files lie that launch makes, and what it logs."""
+        return self.folder / "made"
+
     def report(self, arguments: Mapping[str, str], environ: Mapping[str, str]) -> Report:
         """Return what a visit with the first Python tells that has launch."""
+        self.made.mkdir()
         self._install()
         result, request = self.folder / "result.json", self.folder / "request.json"
         asked = {"file": self.file, "arguments": list(arguments.items()), "result": str(result)}
@@ -124,8 +130,8 @@ class _Visit:
             **environ,
             "AMENT_PREFIX_PATH": ":".join(filter(None, (before, str(self.prefix)))),
             "PYTHONDONTWRITEBYTECODE": "1",
-            "ROS_LOG_DIR": str(self.folder),
-            "TMPDIR": str(self.folder),
+            "ROS_LOG_DIR": str(self.made),
+            "TMPDIR": str(self.made),
         }
 
 

@@ -1,5 +1,6 @@
 """Remaps and parameters of what a visit found: as rcl reads them from a command line."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -8,13 +9,21 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.launch2.executed.marks import Marks
 from rtron.sources.launch2.executed.report import Value
-from rtron.sources.launch2.parameter_file import text_value, yaml_value
+from rtron.sources.launch2.parameter_file import (
+    entries_of,
+    read_text,
+    text_value,
+    tree_of,
+    yaml_value,
+)
 from rtron.sources.launch2.parameters import ALL, Entries, ParameterSource
 from rtron.sources.launch2.pieces import shown
 from rtron.vocabulary import Evidence, ParameterValue, Unresolved
 from rtron.vocabulary.parameters import Parameter
 from rtron.vocabulary.remap_rules import Rule
 
+_TUPLE = re.compile(r"(?m):( &id[0-9]+)? !!python/tuple(?= \[\]$|$)")
+"""How launch_ros writes lists into the files that it makes; rcl takes no notice of the tag."""
 _SPECIAL = ("__node:=", "__ns:=", "__name:=")
 
 
@@ -63,7 +72,7 @@ class Given:
         evaluator, is_made = self.marks.evaluator, Path(path).is_relative_to(self.made)
         entries: Entries = ()
         try:
-            entries = evaluator.files.entries(path)
+            entries = _made_entries(path) if is_made else evaluator.files.entries(path)
         except InputError as error:
             note = Unresolved(what=f"file {path}", why=str(error), evidence=(self.place,))
             evaluator.unresolved.append(note)
@@ -92,3 +101,8 @@ class Given:
     def _source(self, values: Mapping[str, ParameterValue]) -> ParameterSource:
         found = {name: self._parameter(value) for name, value in values.items()}
         return ParameterSource(entries=((ALL, found),))
+
+
+def _made_entries(path: str) -> Entries:
+    """Return what a file says that launch made; raise InputError where it is none."""
+    return entries_of(tree_of(_TUPLE.sub(r":\1", read_text(path)), path), path)

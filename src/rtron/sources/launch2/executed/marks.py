@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.sources.launch.substitution import as_pattern
 from rtron.sources.launch.unresolvable import UnresolvableError
 from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.pieces import hole
@@ -36,7 +37,7 @@ class Marks:
         """Return a text as launch would have it, a hole for what is not known."""
         if "\ue000" in text:
             text = _MARK.sub(lambda mark: self._command(int(mark[1])), text)
-        return self.path(text)
+        return as_pattern(self.path(text))
 
     def path(self, text: str) -> str:
         """Return a text with packages where their source lies."""

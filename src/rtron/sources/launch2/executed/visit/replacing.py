@@ -10,9 +10,11 @@ from typing import Any, TypeAlias
 
 import launch
 import launch.actions.execute_local
+import launch.substitutions
 import launch_ros.actions
 import launch_ros.descriptions
 import launch_ros.ros_adapters
+import launch_ros.substitutions
 
 from .found import Found
 from .places import KEY, called_from
@@ -65,6 +67,7 @@ def _replace_substitutions(found: Found) -> None:
     _around(launch.LaunchContext, "perform_substitution", own.performing)
     for module, name, replacement in (
         (launch.substitutions, "Command", own.command),
+        (launch.substitutions, "AnonName", own.anonymous),
         (launch.substitutions, "FindExecutable", own.named("name")),
         (launch_ros.substitutions, "ExecutableInPackage", own.named("executable")),
         (launch.substitutions, "PythonExpression", own.deciding),

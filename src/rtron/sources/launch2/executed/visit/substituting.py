@@ -10,6 +10,9 @@ from .found import Found
 Thing: TypeAlias = Any
 Method: TypeAlias = Callable[..., Any]
 
+ANONYMOUS = "_rtron_anonymous"
+"""Stands for what launch makes up: it is legal in a name."""
+
 
 def text(context: Thing, written: Thing) -> str:
     """Return a text with its substitutions performed."""
@@ -28,6 +31,10 @@ class Substituting:
     def command(self, _: Method, substitution: Thing, context: Thing) -> str:
         """Return a mark for what a command would print."""
         return self._found.mark(text(context, substitution.command))
+
+    def anonymous(self, _: Method, substitution: Thing, context: Thing) -> str:
+        """Return a name that would be another in each launch, so that this can be seen."""
+        return text(context, substitution.name) + ANONYMOUS
 
     def named(self, attribute: str) -> Method:
         """Return what finds a program, or gives its name where it is not installed."""

@@ -50,7 +50,8 @@ def told(found: Found, error: BaseException) -> None:
 
 def _visit(found: Found, file: str, arguments: list[list[str]]) -> None:
     try:
-        import launch  # noqa: PLC0415 - whether it is there is asked here
+        import launch.actions  # noqa: PLC0415 - whether it is there is asked here
+        import launch.launch_description_sources  # noqa: PLC0415 - likewise
         import launch_ros.actions  # noqa: F401, PLC0415 - likewise
     except ImportError as error:
         found.missing = str(error) or "launch"

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 
-import launch
+import launch.actions
+import launch.events
 
 from .found import Found
 from .places import local, remembered

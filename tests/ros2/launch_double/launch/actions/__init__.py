@@ -1,17 +1,30 @@
-from pathlib import Path
-
+from launch.actions.execute_local import ExecuteLocal, ExecuteProcess
 from launch.core import Action, normalize, perform
 from launch.event_handler import EventHandler
-from launch.event_handlers import OnProcessExit
-from launch.events import ProcessExited, ProcessStarted, TimerEvent
 from launch.events import Shutdown as ShutdownEvent
+from launch.events import TimerEvent
 from launch.launch_description_sources import LaunchDescriptionSource
+
+__all__ = [
+    "DeclareLaunchArgument",
+    "EmitEvent",
+    "ExecuteLocal",
+    "ExecuteProcess",
+    "GroupAction",
+    "IncludeLaunchDescription",
+    "OpaqueFunction",
+    "RegisterEventHandler",
+    "SetLaunchConfiguration",
+    "Shutdown",
+    "TimerAction",
+    "UnregisterEventHandler",
+]
 
 
 class DeclareLaunchArgument(Action):
     def __init__(self, name, *, default_value=None, description="", **kwargs):
         super().__init__(**kwargs)
-        self.name = name
+        self.name, self.description = name, description
         self.default_value = None if default_value is None else normalize(default_value)
         self.maybe = False
 
@@ -45,6 +58,7 @@ class IncludeLaunchDescription(Action):
 
     def execute(self, context):
         description = self.launch_description_source.get_launch_description(context)
+        context.extend_locals({"current_launch_file_path": self.launch_description_source.path})
         given = [name for name, _ in self.launch_arguments]
         for argument in description.get_launch_arguments():
             if argument.default_value is None and not argument.maybe and argument.name not in given:
@@ -151,51 +165,3 @@ class TimerAction(Action):
             )
             context.register_event_handler(context._fires)
         context.emit_event_sync(TimerEvent(timer_action=self))
-
-
-class ExecuteLocal(Action):
-    def __init__(self, *, cmd, name=None, on_exit=None, output="log", shell=False, **kwargs):
-        for known in ("respawn", "respawn_delay", "additional_env", "env", "cwd", "prefix"):
-            kwargs.pop(known, None)
-        super().__init__(**kwargs)
-        self.__cmd = [normalize(word) for word in cmd]
-        self.__name, self.__on_exit = name, on_exit
-        self.__details = None
-
-    @property
-    def cmd(self):
-        return self.__details["cmd"] if self.__details else self.__cmd
-
-    @property
-    def process_details(self):
-        return self.__details
-
-    def get_sub_entities(self):
-        return self.__on_exit if isinstance(self.__on_exit, list) else []
-
-    def execute(self, context):
-        if self.__details:
-            raise RuntimeError("executed more than once")
-        words = [perform(context, word) for word in self.__cmd]
-        name = self.__name or Path(words[0]).name
-        self.__details = {"action": self, "name": name, "cmd": words}
-        if self.__on_exit is not None:
-            on_exit = OnProcessExit(target_action=self, on_exit=self.__on_exit)
-            context.register_event_handler(on_exit)
-        context.emit_event_sync(_Starting(self.__details))
-
-
-class ExecuteProcess(ExecuteLocal):
-    pass
-
-
-class _Starting:
-    """The process starts, some time after its action was executed; the double ends it at once."""
-
-    def __init__(self, details):
-        self.details = details
-
-    def start(self, context):
-        context.started.append(list(self.details["cmd"]))
-        context.emit_event_sync(ProcessStarted(**self.details))
-        context.emit_event_sync(ProcessExited(**self.details))

@@ -1,23 +1,22 @@
+import json
+import tempfile
+
 from launch.actions import ExecuteProcess
-from launch.core import Action, normalize, perform
+from launch.core import Action, Substitution, normalize, perform
 
-_UNSET = object()
+from launch_ros.actions.load_composable_nodes import LoadComposableNodes
+from launch_ros.actions.namespaces import space_of as _space
+from launch_ros.ros_adapters import get_ros_node
 
-
-def _space(context, namespace):
-    """A namespace as it counts below the pushed one; None where neither is given."""
-    base = context.launch_configurations.get("ros_namespace")
-    own = None if namespace is None else perform(context, normalize(namespace))
-    if base is None and own is None:
-        return None
-    if own is None:
-        joined = base
-    elif not base or own.startswith("/"):
-        joined = own
-    else:
-        joined = f"{'' if base == '/' else base}/{own}"
-    joined = joined if joined == "/" else joined.rstrip("/")
-    return joined if joined.startswith("/") else f"/{joined}"
+__all__ = [
+    "ComposableNodeContainer",
+    "LifecycleNode",
+    "LoadComposableNodes",
+    "Node",
+    "PushROSNamespace",
+    "PushRosNamespace",
+    "SetRemap",
+]
 
 
 class PushROSNamespace(Action):
@@ -61,6 +60,8 @@ class Node(ExecuteProcess):
         ros = ["--ros-args", *ros_arguments] if ros_arguments else []
         program = executable if package is None else f"/opt/ros/lib/{package}/{executable}"
         super().__init__(cmd=[program, *arguments, *ros, "--ros-args"], name=exec_name, **kwargs)
+        self.node_package, self.node_executable = package, executable
+        self.__parameters = parameters or ()
         self.__name, self.__namespace = name, namespace
         self.__remappings = [(normalize(a), normalize(b)) for a, b in remappings or ()]
 
@@ -70,10 +71,23 @@ class Node(ExecuteProcess):
         space = _space(context, self.__namespace)
         if space is not None:
             self._add("-r", f"__ns:={space}")
+        for one in self.__parameters:
+            path = self._file(one, context) if isinstance(one, dict) else str(one)
+            self._add("--params-file", path)
         own = ((perform(context, a), perform(context, b)) for a, b in self.__remappings)
         for source, target in (*context.launch_configurations.get("ros_remaps", ()), *own):
             self._add("-r", f"{source}:={target}")
         return super().execute(context)
+
+    def _file(self, parameters, context):
+        """Write a file of parameters; the whole node is written there as the real one does."""
+        values = {
+            name: perform(context, normalize(value)) if isinstance(value, Substitution) else value
+            for name, value in parameters.items()
+        }
+        with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False) as file:
+            json.dump({"/**": {"ros__parameters": values}}, file)
+        return file.name
 
     def _add(self, *words):
         self.cmd.extend(normalize(word) for word in words)
@@ -82,10 +96,13 @@ class Node(ExecuteProcess):
 class ComposableNodeContainer(Node):
     def __init__(self, *, name, namespace, composable_node_descriptions=None, **kwargs):
         super().__init__(name=name, namespace=namespace, **kwargs)
+        self.__own = normalize(name), normalize(namespace)
         self.__descriptions = composable_node_descriptions
 
     def execute(self, context):
         super().execute(context)
+        space, name = _space(context, self.__own[1]) or "", perform(context, self.__own[0])
+        self.node_name = f"{space.rstrip('/')}/{name}"
         described = self.__descriptions or ()
         valid = [d for d in described if d.condition() is None or d.condition().evaluate(context)]
         if not valid:
@@ -93,21 +110,7 @@ class ComposableNodeContainer(Node):
         return [LoadComposableNodes(composable_node_descriptions=valid, target_container=self)]
 
 
-class LoadComposableNodes(Action):
-    def __init__(self, *, composable_node_descriptions, target_container, **kwargs):
-        super().__init__(**kwargs)
-        self.__composable_node_descriptions = composable_node_descriptions
-        self.__target = target_container
-
+class LifecycleNode(Node):
     def execute(self, context):
-        for node in self.__composable_node_descriptions:
-            condition = node.condition()
-            if condition is None or condition.evaluate(context):
-                context.loaded.append(self._request(node, context))
-
-    def _request(self, node, context):
-        rules = [f"{a}:={b}" for a, b in context.launch_configurations.get("ros_remaps", ())]
-        for source, target in node.remappings or ():
-            rules.append(f"{perform(context, source)}:={perform(context, target)}")
-        name = None if node.node_name is None else perform(context, node.node_name)
-        return {"name": name, "namespace": _space(context, node.node_namespace), "rules": rules}
+        get_ros_node(context)
+        return super().execute(context)
