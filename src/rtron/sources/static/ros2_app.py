@@ -8,6 +8,7 @@ from rtron.errors import InputError
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.launch2.app import read_app_launch
 from rtron.sources.launch2.executed.execution import Execution
+from rtron.sources.launch2.executed.lines import with_lines
 from rtron.sources.launch2.executed.openness import leaves_open
 from rtron.sources.launch2.result import AppLaunch
 from rtron.sources.models import LIBRARY2, load_models
@@ -83,7 +84,9 @@ def _executed(
 ) -> list[AppLaunch]:
     """Return the launches with those executed that reading leaves holes in."""
     return [
-        execution.launch(path, given, environ, files) if leaves_open(launch) else launch
+        with_lines(execution.launch(path, given, environ, files), launch)
+        if leaves_open(launch)
+        else launch
         for launch, (path, given) in zip(read, launches, strict=True)
     ]
 
