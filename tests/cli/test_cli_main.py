@@ -108,7 +108,13 @@ def test_no_arguments_show_the_help(rtron):
 
 @pytest.mark.parametrize(
     ("words", "offered"),
-    [("rtron sc", b"scan"), ("rtron explain gr", b"gr_st"), ("rtron explain Pre", b"Preemption")],
+    [
+        ("rtron sc", b"scan"),
+        ("rtron scan --exec", b"--execute-launch"),
+        ("rtron plan --launch-", b"--launch-python"),
+        ("rtron explain gr", b"gr_st"),
+        ("rtron explain Pre", b"Preemption"),
+    ],
 )
 def test_completion(words, offered):
     variables = {"_RTRON_COMPLETE": "complete_bash", "COMP_WORDS": words}

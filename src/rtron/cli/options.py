@@ -57,7 +57,7 @@ LaunchPython = Annotated[
     typer.Option(
         "--launch-python",
         metavar="PYTHON",
-        help="The Python that has launch, for --execute-launch.  [default: that of `ros2`]",
+        help="The Python that has launch, for --execute-launch; if not given, that of `ros2`.",
         show_default=False,
     ),
 ]

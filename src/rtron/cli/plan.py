@@ -81,6 +81,7 @@ def plan(  # noqa: PLR0913 - one for each option
 
     $ rtron plan graph.json                look at the proposal
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
+    $ rtron plan src --launch pkg/app.launch.py --execute-launch
     $ rtron plan graph.json -o rtron.yaml  write it; an older one becomes .bak
     $ rtron plan graph.json -o -           print the YAML
     $ rtron plan --live -o rtron.yaml      of the app that is running
@@ -92,6 +93,8 @@ def plan(  # noqa: PLR0913 - one for each option
     $ rtron plan --from-run run.json --plan rtron.yaml
     $ rtron plan --from-run run.json --plan rtron.yaml -o tuned.yaml
     $ rtron plan --from-run run.bag --plan rtron.yaml --format json
+
+    --execute-launch RUNS the Python of the app's launch files, as in rtron scan.
 
     It proposes priorities, times and frame thresholds, each with the
     figures behind it. See docs/tuning.md.

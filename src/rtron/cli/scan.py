@@ -107,11 +107,15 @@ def scan(  # noqa: PLR0913 - one for each option
     $ rtron scan src --launch pkg/app.launch model:=big
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
     $ rtron scan src --launch pkg/app.launch.py           ROS 2: .py, .xml, .yaml
+    $ rtron scan src --launch pkg/app.launch.py --execute-launch
     $ rtron scan --live --format graph --fail-on never -o graph.json
     $ rtron scan --live --ros 2 --domain 7       where ROS 2 runs, in domain 7
     $ rtron scan graph.json --format json --fail-on high
     $ rtron scan run.bag                   who published what in a recording
     $ rtron scan graph.json --format nodl -o nodes    ROS 2: a file for each node
+
+    --execute-launch is the only option that runs anything of the app: the
+    Python of its launch files. Never use it on files you do not trust.
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """

@@ -292,15 +292,17 @@ def test_no_trace_stays_behind(app, tmp_path, monkeypatch):
     assert {path.name for path in app.path.parent.iterdir()} == {"app.launch.py"}
 
 
+FORGED = """
+import tempfile
+folder = os.path.dirname(tempfile.gettempdir())
+open(folder + '/result.json', 'w').write({!r})
+"""
+
+
 def forged(app, change):
     """Return the exception for a launch file that writes the visit's result itself."""
     text = json.dumps({**EMPTY, **change})
-    before = f"""
-import tempfile
-folder = os.path.dirname(tempfile.gettempdir())
-open(folder + '/result.json', 'w').write({text!r})
-os._exit(0)
-"""
+    before = FORGED.format(text) + "os._exit(0)"
     with pytest.raises(SourceError) as raised:
         app.execute("", before)
     return str(raised.value)
@@ -327,11 +329,30 @@ START = {"kind": "node", "words": [], "environ": {}, "shared": 0, "event": "", "
         ({"starts": [{**START, "words": [1]}]}, "words.0: Input should be a valid string"),
         ({"starts": [{**START, "program": "x" * 65_537}]}, "at most 65536 characters"),
         ({"starts": [START] * 2_001}, "starts: Tuple should have at most 2000"),
-        ({"commands": ["x" * 2**25]}, "wrote a file larger than 32 MiB"),
+        ({"commands": ["x" * 2**24]}, "wrote a file larger than 16 MiB"),
     ],
 )
 def test_a_forged_result_is_checked(app, change, said):
     assert said in forged(app, change)
+
+
+def test_a_forged_result_costs_little(app):
+    (app.package / "r.xacro").write_text(f"<robot name='{'x' * 60_000}'/>")
+    commands = [f"xacro {app.package}/r.xacro"]
+    words = ["\ue0000\ue001" * 20_000, "\ue0000\ue001", "\ue0007\ue001"]
+    text = json.dumps({**EMPTY, "starts": [{**START, "words": words}], "commands": commands})
+    before = FORGED.format(text) + "os._exit(0)"
+    (start,) = app.execute("", before).starts
+    assert [len(word) < 61_000 for word in start.arguments] == [True] * 3
+    assert (start.arguments[0], start.arguments[2]) == ("{a long text}", "{?}")
+    file = "os.path.join(tempfile.gettempdir(), 'p.yaml')"
+    made = f"open({file}, 'w').write('/**: {{ros__parameters: {{a: ' + 'x' * 100_000 + '}}}}')\n"
+    added = ["--params-file", "FILE"] * 200
+    text = json.dumps({**EMPTY, "starts": [{**START, "added": added}]})
+    before = FORGED.format(text)
+    before = before.replace(repr(text), f"{text!r}.replace('FILE', {file})") + f"{made}os._exit(0)"
+    with pytest.raises(InputError, match="more than 16777216 bytes"):
+        app.execute("", before)
 
 
 def test_a_python_without_launch(app, tmp_path):

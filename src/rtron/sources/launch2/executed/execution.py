@@ -6,6 +6,7 @@ file starts is started (`visit`).
 
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from rtron.sources.launch2.result import AppLaunch
 SECONDS = 60.0
 _VISIT = Path(__file__).parent / "visit"
 _MAX_SAID = 400
+_NAME = re.compile(r"[A-Za-z0-9][\w.-]{0,200}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +50,7 @@ class Execution:
         Raise InputError where launch is not there, or the launch file raises; SourceError where it
         does not end.
         """
-        with tempfile.TemporaryDirectory(prefix="rtron-visit-") as folder:
+        with _folder() as folder:
             visit = _Visit(self, absolute(path), Path(folder), dict(files.workspace.packages))
             report = visit.report(arguments, environ)
             choices = Choices(arguments=arguments, environ=environ)
@@ -112,15 +114,14 @@ class _Visit:
         except SourceError as error:
             raise SourceError(f"{self.file}: {error}") from None
         if not (self.folder / "result.json").exists():
-            told = said.read_bytes()[-_MAX_SAID:].decode(errors="replace").strip()
-            raise SourceError(f"{self.file}: the visit ended without a word: {told}")
+            raise SourceError(f"{self.file}: the visit ended without a word: {_last_words(said)}")
 
     def _install(self) -> None:
         """Let the packages of the source be found, after those that are installed."""
         index = self.prefix / "share" / "ament_index" / "resource_index" / "packages"
         index.mkdir(parents=True)
         for name, folder in self.packages.items():
-            if "/" not in name and name not in {"", ".", "..", "ament_index"}:
+            if _NAME.fullmatch(name) and name != "ament_index":
                 (index / name).touch()
                 (self.prefix / "share" / name).symlink_to(folder.absolute())
 
@@ -133,6 +134,16 @@ class _Visit:
             "ROS_LOG_DIR": str(self.made),
             "TMPDIR": str(self.made),
         }
+
+
+def _folder() -> "tempfile.TemporaryDirectory[str]":
+    return tempfile.TemporaryDirectory(prefix="rtron-visit-", ignore_cleanup_errors=True)
+
+
+def _last_words(said: Path) -> str:
+    with said.open("rb") as stream:
+        stream.seek(-min(_MAX_SAID, said.stat().st_size), os.SEEK_END)
+        return stream.read().decode(errors="replace").strip()
 
 
 def _check(report: Report, marks: Marks) -> None:

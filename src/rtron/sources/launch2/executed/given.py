@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.sources.launch2.bounds import TooMuchError
 from rtron.sources.launch2.executed.marks import Marks
 from rtron.sources.launch2.executed.report import Value
 from rtron.sources.launch2.parameter_file import (
@@ -72,12 +73,20 @@ class Given:
         evaluator, is_made = self.marks.evaluator, Path(path).is_relative_to(self.made)
         entries: Entries = ()
         try:
-            entries = _made_entries(path) if is_made else evaluator.files.entries(path)
+            entries = self._made(path) if is_made else evaluator.files.entries(path)
+        except TooMuchError:
+            raise
         except InputError as error:
             note = Unresolved(what=f"file {path}", why=str(error), evidence=(self.place,))
             evaluator.unresolved.append(note)
         file = "" if is_made else self.marks.path(path)
         return ParameterSource(entries=tuple(self._moved(entries, file)), file=file)
+
+    def _made(self, path: str) -> Entries:
+        """Return what a file says that launch made; raise InputError where it is none."""
+        text, bounds = read_text(path), self.marks.evaluator.bounds
+        bounds.size(path, len(text))
+        return entries_of(tree_of(_TUPLE.sub(r":\1", text), path), path)
 
     def _moved(self, entries: Entries, file: str) -> Iterator[tuple[str, Mapping[str, Parameter]]]:
         """Yield entries with the places that count here, and commands' output in their values."""
@@ -101,8 +110,3 @@ class Given:
     def _source(self, values: Mapping[str, ParameterValue]) -> ParameterSource:
         found = {name: self._parameter(value) for name, value in values.items()}
         return ParameterSource(entries=((ALL, found),))
-
-
-def _made_entries(path: str) -> Entries:
-    """Return what a file says that launch made; raise InputError where it is none."""
-    return entries_of(tree_of(_TUPLE.sub(r":\1", read_text(path)), path), path)

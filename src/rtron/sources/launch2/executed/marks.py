@@ -10,6 +10,7 @@ from rtron.sources.launch.substitution import as_pattern
 from rtron.sources.launch.unresolvable import UnresolvableError
 from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.pieces import hole
+from rtron.sources.launch2.substitution import MAX_LONG
 from rtron.vocabulary import Evidence, Unresolved
 
 _MARK = re.compile("\ue000([0-9]{1,9})\ue001")
@@ -35,7 +36,11 @@ class Marks:
 
     def text(self, text: str) -> str:
         """Return a text as launch would have it, a hole for what is not known."""
-        if "\ue000" in text:
+        numbers = [int(number) for number in _MARK.findall(text)]
+        if numbers:
+            long = sum(len(self._command(number)) for number in numbers) > MAX_LONG
+            if long and _MARK.fullmatch(text) is None:
+                return hole("a long text")
             text = _MARK.sub(lambda mark: self._command(int(mark[1])), text)
         return as_pattern(self.path(text))
 

@@ -19,7 +19,10 @@ def _of_script(script: str | None) -> str | None:
     """Return the interpreter that a script's first line names; None where `env` finds it."""
     if script is None:
         return None
-    with Path(script).open("rb") as stream:
-        line = stream.readline(_MAX_LINE).decode(errors="replace")
+    try:
+        with Path(script).open("rb") as stream:
+            line = stream.readline(_MAX_LINE).decode(errors="replace")
+    except OSError:
+        return None
     words = line.removeprefix("#!").split() if line.startswith("#!") else []
     return words[0] if words and "python" in Path(words[0]).name else None

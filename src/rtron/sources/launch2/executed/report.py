@@ -10,7 +10,7 @@ from rtron.sources.bounded import read_bounded
 from rtron.sources.launch2.bounds import MAX_FILES, MAX_NAMES, MAX_NODES
 from rtron.sources.launch2.substitution import MAX_LONG, MAX_PRINTED
 
-MAX_BYTES = 32 * 2**20
+MAX_BYTES = 16 * 2**20
 MAX_WORDS = 10_000
 MAX_PARAMETERS = 100_000
 
