@@ -74,6 +74,23 @@ def test_a_plan_of_it(rtron, folder, tmp_path):
     assert (ran.code, ran.err) == (0, "")
 
 
+def test_a_launch_file_of_which_reading_tells_nothing(rtron, folder):
+    launch = folder / "parts" / "launch" / "computed.launch.py"
+    launch.write_text(f"text = {COMPUTED!r}\nexec(compile(text, __file__, 'exec'))\n")
+    assert rtron("scan", folder, *LAUNCHED).code == 2
+    graph = graph_of(rtron("scan", folder, *EXECUTED, *AS_GRAPH))
+    assert ("/keyboard", "/drive_b232") in published(graph)
+
+
+def test_an_argument_that_is_missing_is_said_before_anything_runs(rtron, folder, tmp_path):
+    launch = folder / "parts" / "launch" / "computed.launch.py"
+    text = COMPUTED.replace(", default_value='keyboard'", "")
+    launch.write_text(f"open({str(tmp_path / 'mark')!r}, 'w')\n{text}")
+    ran = rtron("scan", folder, *EXECUTED)
+    assert (ran.code, "help: add name:=VALUE" in ran.err) == (2, True), ran.err
+    assert not (tmp_path / "mark").exists()
+
+
 def test_what_reading_explains_is_not_run(rtron, folder):
     known = folder / "parts" / "launch" / "computed.launch.py"
     known.write_text(COMPUTED.replace("hashlib.sha1(b'robot').hexdigest()[:4]", "'x'"))

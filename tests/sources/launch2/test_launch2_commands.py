@@ -79,6 +79,41 @@ def generate_launch_description():
     assert app.unresolved == ()
 
 
+@pytest.mark.parametrize(
+    ("call", "link"),
+    [
+        ("xacro.process_file(path).toxml()", "p_left"),
+        ("xacro.process_file(path, mappings={'prefix': 'x_'}).toprettyxml(indent='  ')", "x_left"),
+        ("xacro.process(path, mappings={'prefix': str(3)})", "3left"),
+    ],
+)
+def test_the_module_xacro(python, robot, call, link):
+    before = f"""
+import xacro
+path = os.path.join(get_package_share_directory('pkg'), 'urdf', 'robot.urdf.xacro')
+robot = {call}
+"""
+    app = python(PUBLISHER.format("parameters=[{'robot_description': robot}]"), before, robot)
+    assert f'<link name="{link}_wheel"' in described(app)
+    assert app.unresolved == ()
+
+
+@pytest.mark.parametrize(
+    ("call", "why"),
+    [
+        ("xacro.process_file('/no.xacro').toxml()", "/no.xacro: No such file or directory"),
+        ("xacro.process_file('no.xacro').toxml()", "the folder of the launch is not known"),
+        ("xacro.process(open('/x').read())", ""),
+        ("xacro.process('/x', mappings={'a': open('/x').read()})", ""),
+        ("xacro.process('/x', mappings=open('/x'))", ""),
+    ],
+)
+def test_what_the_module_xacro_does_not_know(python, call, why):
+    app = python(PUBLISHER.format(f"parameters=[{{'robot_description': {call}}}]"), "import xacro")
+    assert isinstance(described(app), UnknownValue)
+    assert not why or any(why in one for one in whys(app))
+
+
 def test_a_description_longer_than_other_texts(python, package):
     links = "".join(f'<link name="link_{number}"/>' for number in range(9_000))
     (package / "big.xacro").write_text(f"<robot name='r'>{links}</robot>")

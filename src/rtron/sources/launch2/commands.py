@@ -42,6 +42,10 @@ class Commands:
         if run is None:
             raise UnresolvableError(f"$(command {shown(command)[:80]}) is not run")
         closed(command)
+        return self.output(run)
+
+    def output(self, run: Cat | Xacro) -> str:
+        """Return what a program prints; raise UnresolvableError where that is not known."""
         if not run.file.startswith("/"):
             raise UnresolvableError(f"{run.file[:80]}: the folder of the launch is not known")
         text = self._file(run) if isinstance(run, Cat) else self._description(run)

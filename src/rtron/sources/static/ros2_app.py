@@ -41,9 +41,7 @@ def scan_ros2_app(
     """
     chosen, workspace = options or ScanOptions(), ros2_workspace(folders)
     files = WorkspaceFiles(workspace)
-    read = _read(launches, environ, files)
-    if chosen.execution:
-        read = _executed(chosen.execution, read, launches, environ, files)
+    read = _read(launches, environ, files, chosen.execution)
     started = StartedNodes(workspace=workspace, environ=environ)
     nodes = list(started.nodes([start for launch in read for start in launch.starts]))
     state = workspace_state(workspace) if chosen.cache else ""
@@ -66,12 +64,19 @@ def scan_ros2_app(
 
 
 def _read(
-    launches: Sequence[Launch], environ: Mapping[str, str], files: WorkspaceFiles
+    launches: Sequence[Launch],
+    environ: Mapping[str, str],
+    files: WorkspaceFiles,
+    execution: Execution | None,
 ) -> list[AppLaunch]:
     with deep_recursion():
         found = [read_app_launch(path, given, environ, files) for path, given in launches]
     for launch, (_, given) in zip(found, launches, strict=True):
-        _check(launch, given)
+        _check_arguments(launch, given)
+    if execution:
+        found = _executed(execution, found, launches, environ, files)
+    for launch in found:
+        _check_told(launch)
     return found
 
 
@@ -91,12 +96,16 @@ def _executed(
     ]
 
 
-def _check(launch: AppLaunch, given: Mapping[str, str]) -> None:
-    """Raise InputError for a launch file that tells nothing, or lacks an argument."""
+def _check_told(launch: AppLaunch) -> None:
+    """Raise InputError for a launch file that tells nothing."""
     if launch.unresolved and not (launch.starts or launch.includes or launch.arguments):
         first = launch.unresolved[0]
         line = first.evidence[0].line if first.evidence else 0
         raise InputError(first.why, path=launch.file, line=line)
+
+
+def _check_arguments(launch: AppLaunch, given: Mapping[str, str]) -> None:
+    """Raise InputError where an argument is missing."""
     for argument in launch.arguments:
         if argument.default is None and argument.name not in given:
             place, help = argument.evidence, f"add {argument.name}:=VALUE"

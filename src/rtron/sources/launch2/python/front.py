@@ -40,6 +40,7 @@ from rtron.sources.launch2.python.configurations import configurations
 from rtron.sources.launch2.python.functions import Functions
 from rtron.sources.launch2.python.nav2 import FILES
 from rtron.sources.launch2.python.texts import Texts, value_of
+from rtron.sources.launch2.python.xacro_module import XacroModule
 from rtron.sources.launch2.scope import Scope
 from rtron.sources.launch2.view import View
 from rtron.vocabulary import Evidence, Unresolved
@@ -92,7 +93,9 @@ class _File:
             world=world, recorder=Recorder(site), evaluators=dict(EVALUATORS), executors=executors
         )
         world.machine = self.machine
-        world.natives = {**world.natives, **constants(self.machine), **self._contexts()}
+        xacro = XacroModule(self.front.evaluator.commands.output).natives()
+        own = {**constants(self.machine), **self._contexts(), **xacro}
+        world.natives = {**world.natives, **own}
         count = partial(self.front.evaluator.bounds.piece, self.path)
         self.texts = Texts(self.machine, self._context, FILES, count)
         described = self._described(world)
