@@ -1,6 +1,7 @@
 """Launch files that are executed by the double of launch: nothing of them is started."""
 
 import json
+import shutil
 import sys
 from pathlib import Path
 
@@ -143,6 +144,28 @@ def test_nothing_is_started(app):
     assert not app.mark.exists()
     assert executed.starts[2].name == f"{{command touch {app.mark}}}"
     assert whys(executed) == [f"$(command touch {app.mark}) is not run"]
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [
+        ("launch/actions/execute_local.py", "async_execute_process"),
+        ("launch_ros/ros_adapters.py", "ROSAdapter"),
+        ("launch_ros/actions/load_composable_nodes.py", "__target_container"),
+    ],
+)
+def test_another_launch_library_starts_nothing(app, tmp_path, file, name):
+    other = tmp_path / "double"
+    shutil.copytree(DOUBLE, other)
+    changed = other / file
+    changed.write_text(changed.read_text().replace(name, f"{name}_now"))
+    load = "LoadComposableNodes(target_container='c', composable_node_descriptions=[])"
+    with pytest.raises(InputError, match=name):
+        app.execute(
+            f"ExecuteProcess(cmd=['touch', '{app.mark}']), {load}",
+            environ={"PYTHONPATH": str(other)},
+        )
+    assert not app.mark.exists()
 
 
 def test_handlers_of_processes_run_in_their_order(app):

@@ -45,6 +45,15 @@ def test_a_thread_is_waited_for(loop):
     assert loop.run_until_complete(asked()) == "answer"
 
 
+@pytest.mark.parametrize("start", ["subprocess_exec", "subprocess_shell"])
+def test_a_loop_starts_no_process(loop, start):
+    async def run():
+        await getattr(loop, start)(asyncio.SubprocessProtocol, "true")
+
+    with pytest.raises(RuntimeError, match="nothing is started"):
+        loop.run_until_complete(run())
+
+
 class _Protocol:
     def __init__(self):
         self.complete = asyncio.get_running_loop().create_future()

@@ -2,6 +2,7 @@
 
 import asyncio
 import selectors
+from typing import Any, NoReturn
 
 
 class _Impatient(selectors.DefaultSelector):
@@ -25,6 +26,12 @@ class ImpatientLoop(asyncio.SelectorEventLoop):
     def __init__(self) -> None:
         self._impatient = _Impatient()
         super().__init__(self._impatient)
+
+    async def subprocess_exec(self, *_: Any, **__: Any) -> NoReturn:  # noqa: ANN401 - all the same
+        """Raise RuntimeError: no process is started, whoever asks for it."""
+        raise RuntimeError("nothing is started")
+
+    subprocess_shell = subprocess_exec
 
     def time(self) -> float:
         """Return the time, with all that was not waited for."""

@@ -40,9 +40,12 @@ class _Nothing:
 
 
 def replace_all(found: Found, root: str) -> None:
-    """Replace what starts processes, asks ROS, runs commands or waits; record what would start."""
-    launch.actions.execute_local.async_execute_process = not_started
-    launch_ros.ros_adapters.ROSAdapter = _Nothing
+    """Replace what starts processes, asks ROS, runs commands or waits; record what would start.
+
+    Raise AttributeError for a launch library that does these in another way.
+    """
+    _instead(launch.actions.execute_local, "async_execute_process", not_started)
+    _instead(launch_ros.ros_adapters, "ROSAdapter", _Nothing)
     recording, waiting = Recording(found, root), Waiting(found)
     for cls in (launch.Action, launch_ros.descriptions.ComposableNode):
         _around(cls, "__init__", _placing)
@@ -77,6 +80,12 @@ def _replace_substitutions(found: Found) -> None:
         cls = getattr(module, name, None)
         if cls is not None:
             _around(cls, "perform", replacement)
+
+
+def _instead(module: Thing, name: str, replacement: object) -> None:
+    """Replace what a module has; raise AttributeError where it has no such thing."""
+    getattr(module, name)
+    setattr(module, name, replacement)
 
 
 def _around(cls: Thing, name: str, replacement: Method) -> None:
