@@ -220,6 +220,12 @@ def share(name):
     assert included.arguments == (("map", f"{app.package}/map.yaml"),)
 
 
+def test_a_parameter_file_that_is_not_there_is_noted(app):
+    app_launch = app.execute("Node(package='p', executable='e', parameters=['/no/p.yaml'])")
+    assert whys(app_launch) == ["/no/p.yaml is no file here: its parameters are not known"]
+    assert values(app_launch.starts[0]) == {}
+
+
 INCLUDED = """
 def generate_launch_description():
     return LaunchDescription([

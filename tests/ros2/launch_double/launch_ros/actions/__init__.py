@@ -6,6 +6,7 @@ from launch.core import Action, Substitution, normalize, perform
 
 from launch_ros.actions.load_composable_nodes import LoadComposableNodes
 from launch_ros.actions.namespaces import space_of as _space
+from launch_ros.parameter_descriptions import ParameterFile
 from launch_ros.ros_adapters import get_ros_node
 
 __all__ = [
@@ -72,8 +73,10 @@ class Node(ExecuteProcess):
         if space is not None:
             self._add("-r", f"__ns:={space}")
         for one in self.__parameters:
-            path = self._file(one, context) if isinstance(one, dict) else str(one)
-            self._add("--params-file", path)
+            if isinstance(one, dict):
+                self._add("--params-file", self._file(one, context))
+            elif (path := ParameterFile(one).evaluate(context)).is_file():
+                self._add("--params-file", str(path))
         own = ((perform(context, a), perform(context, b)) for a, b in self.__remappings)
         for source, target in (*context.launch_configurations.get("ros_remaps", ()), *own):
             self._add("-r", f"{source}:={target}")

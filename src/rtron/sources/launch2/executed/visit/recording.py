@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeAlias
 
 from launch_ros.actions import ComposableNodeContainer, LifecycleNode, Node
@@ -81,6 +82,14 @@ class Recording:
             if request is not None:
                 loaded = {"container": name, **_loaded(request), "shared": shared}
                 self._keep(loaded, one, context)
+
+    def evaluating(self, original: Method, file: Thing, context: Thing) -> object:
+        """Note a parameter file that is not there: launch goes on without it."""
+        path = original(file, context)
+        if not Path(str(path)).is_file():
+            why = f"{path} is no file here: its parameters are not known"
+            self._found.note(why, remembered(file, context))
+        return path
 
     def declaring(self, original: Method, action: Thing, context: Thing) -> object:
         """Keep an argument that the root file declares."""

@@ -13,6 +13,7 @@ import launch.actions.execute_local
 import launch.substitutions
 import launch_ros.actions
 import launch_ros.descriptions
+import launch_ros.parameter_descriptions
 import launch_ros.ros_adapters
 import launch_ros.substitutions
 
@@ -54,6 +55,8 @@ def replace_all(found: Found, root: str) -> None:
     _around(launch_ros.actions.LoadComposableNodes, "execute", recording.loading)
     _around(launch.actions.DeclareLaunchArgument, "execute", recording.declaring)
     _around(launch.actions.IncludeLaunchDescription, "execute", recording.including)
+    parameters = launch_ros.parameter_descriptions.ParameterFile
+    _around(parameters, "evaluate", recording.evaluating)
     _around(launch.actions.EmitEvent, "execute", waiting.emitting)
     _around(launch.actions.RegisterEventHandler, "execute", waiting.registering)
     _around(launch.actions.TimerAction, "handle", waiting.firing)
