@@ -10,8 +10,8 @@ _HEAD = """\
 
 `python -m evaluation demos` made these: every case in twenty worlds, in which start, goal, widths,
 obstacles and the pedestrian's moment differ. Times are simulated seconds. The attack is `stopped`
-where a verdict of the guard tells when; a flow that was blocked before gets no new one, and `nothing
-arrived` is all that is to be told. `off` is the largest distance from the unattacked way.
+where a verdict of the guard tells when; a flow that was blocked before gets no new one, and
+`nothing arrived` is all that is to be told. `off` is the largest distance from the unattacked way.
 """
 _COLUMNS = (
     "world | unattacked | attacked | collided | sent / delivered | guarded | time | "
