@@ -36,7 +36,7 @@ test: lint coverage test-ros2 ## Run lint, coverage and every test
 	$(BIN)/pytest -m "not ros2" -n auto --dist loadfile
 
 test-ros2: setup ## Run the tests on a real ROS 2
-	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m pytest -m ros2 -n auto --dist loadfile $(ROS2_TESTS); fi
+	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS); fi
 
 mutation: setup ## Change the policies in over a thousand small ways; tests must notice (slow)
 	$(BIN)/mutmut run --max-children 1
