@@ -56,9 +56,9 @@ docs: setup ## Write the pages that are made from the code
 	$(PYTHON) scripts/docs_rules.py
 	$(PYTHON) scripts/docs_policies.py
 
-lock: ## Pin and hash every dependency in requirements.lock (needs uv)
-	uv pip compile pyproject.toml --extra dev --universal --python-version 3.10 \
+lock: setup ## Pin and hash every dependency in requirements.lock
+	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --python-version 3.10 \
 	  --generate-hashes --custom-compile-command "make lock" --quiet -o requirements.lock
-	uv pip compile pyproject.toml --extra ros2-dev --universal --python-version 3.10 \
+	$(BIN)/uv pip compile pyproject.toml --extra ros2-dev --universal --python-version 3.10 \
 	  --generate-hashes --custom-compile-command "make lock" --quiet -o requirements-ros2.lock \
 	  -c requirements.lock

@@ -94,10 +94,26 @@ make_venv() {
     "$python" -m venv --clear "$folder"
   fi
   echo "setup: installing what $lock names"
-  local install=("$folder/bin/python" -m pip install -qq --disable-pip-version-check)
-  "${install[@]}" -r "$lock"
-  "${install[@]}" --no-deps -e .
+  install_locked "$folder/bin/python" "$lock"
   wanted_state "$lock" >"$folder/.ready"
+}
+
+# locked NAME LOCK: what a lock file says of one package.
+locked() {
+  awk -v name="$1" '/^[^ ]/ { ours = index($0, name "==") == 1 } ours' "$2"
+}
+
+# install_locked PYTHON LOCK: all that a lock file names, and RTron; by pip alone where uv does not reach the
+# index that pip's configuration names.
+install_locked() {
+  local python=$1 lock=$2
+  local pip=("$python" -m pip install -qq --disable-pip-version-check)
+  "${pip[@]}" -r <(locked uv "$lock")
+  "$python" -m uv pip install -q --python "$python" --compile-bytecode -r "$lock" || {
+    echo "setup: uv could not; pip takes a few minutes"
+    "${pip[@]}" -r "$lock"
+  }
+  "${pip[@]}" --no-deps -e .
 }
 
 has_ros2_wheels() {
