@@ -16,7 +16,7 @@ setup: ## Install Debian's ROS 1 packages and .venv, if they are not there yet
 
 demo: ## Attack a simulated robot, guard it, attack it again, and show it (ROS 2, no root)
 	@scripts/setup.sh demo
-	@.venv-ros2/bin/rtron demo all --ros 2 --console
+	@.venv-ros2/bin/rtron demo all --ros 2 --speed 3 --console
 
 lint: setup ## Check style, types, import contracts and whether the generated docs are fresh
 	$(BIN)/ruff check $(CODE)

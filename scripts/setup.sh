@@ -109,7 +109,7 @@ install_locked() {
   local python=$1 lock=$2
   local pip=("$python" -m pip install -qq --disable-pip-version-check)
   "${pip[@]}" -r <(locked uv "$lock")
-  "$python" -m uv pip install -q --python "$python" --compile-bytecode -r "$lock" || {
+  "$python" -m uv pip install -q --python "$python" -r "$lock" || {
     echo "setup: uv could not; pip takes a few minutes"
     "${pip[@]}" -r "$lock"
   }
