@@ -142,7 +142,7 @@ def test_nothing_is_started(app):
         *(StartKind.PROCESS, StartKind.NODE, StartKind.NODE, StartKind.LIFECYCLE_NODE)
     ]
     assert not app.mark.exists()
-    assert executed.starts[2].name == f"{{command touch {app.mark}}}"
+    assert executed.starts[2].name.startswith("{command touch /")
     assert whys(executed) == [f"$(command touch {app.mark}) is not run"]
 
 
