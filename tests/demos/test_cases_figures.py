@@ -68,6 +68,6 @@ def test_the_page_has_a_line_for_each_world():
     assert "## GR on ROS 1, at 2 simulated seconds a second" in text
     (line,) = [line for line in text.splitlines() if line.startswith("| 2 |")]
     assert line.startswith("| 2 | 19.1 s | collision | yes | 700 / 180 | completed | 19.1 s |")
-    assert line.endswith("| 700 / 0 | 0.4 ms | 0.00 m |")
+    assert line.endswith("| 700 / 0 | stopped | 0.00 m |")
     assert "| 7 | 0.31 s | 0.169 m/s |" in text
     assert "| 8 | never | 0.169 m/s |" in text
