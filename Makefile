@@ -6,6 +6,7 @@ BIN := .venv/bin
 PYTHON := $(BIN)/python
 ROS2_PYTHON := .venv-ros2/bin/python
 ROS2_TESTS = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
+ALONE := tests/demos/test_demo_ros1.py
 CODE := src tests scripts bench evaluation figures
 
 help: ## List the targets
@@ -33,7 +34,8 @@ coverage: setup ## Check that the tests go through every branch of the policies,
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
 test: lint coverage test-ros2 ## Run lint, coverage and every test
-	$(BIN)/pytest -m "not ros2" -n auto --dist loadfile
+	$(BIN)/pytest -m "not ros2" -n auto --dist loadfile --ignore=$(ALONE)
+	$(BIN)/pytest $(ALONE)
 
 test-ros2: setup ## Run the tests on a real ROS 2
 	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS); fi
