@@ -217,6 +217,7 @@ def test_a_speed_that_no_world_has_is_refused(monkeypatch, text):
 def test_the_journal_of_a_node(monkeypatch, tmp_path):
     monkeypatch.setenv("DEMO_JOURNAL", str(tmp_path))
     journal = Journal("/robot/monitor")
+    assert (tmp_path / "robot_monitor.jsonl").read_bytes() == b""
     journal.sent("/control/max_vel", [2.0], malicious=True)
     journal.received("/goal", (1.0, 2.0))
     first, second = map(json.loads, (tmp_path / "robot_monitor.jsonl").read_text().splitlines())

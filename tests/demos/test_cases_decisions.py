@@ -4,6 +4,7 @@ import pytest
 from demo_runs import CORRIDOR, ROOM
 
 from rtron.demos.cases import CASES, GR, MSR, RSR, Setting
+from rtron.demos.cases.together import together
 from rtron.demos.running.deciding import by_decisions
 
 
@@ -99,7 +100,23 @@ def test_only_where_the_world_decides_the_plan_depends_on_it():
 
 def test_worlds_in_a_row_share_a_guarded_app_where_the_same_is_decided():
     slow, fast = setting(rate=5.0), setting(rate=10.0)
-    found = by_decisions(RSR, {1: fast, 2: fast, 3: slow, 4: fast})
+    settings = {1: fast, 2: fast, 3: slow, 4: fast}
+    found = by_decisions([RSR], list(settings), lambda _, seed: settings[seed])
     assert [seeds for _, seeds in found] == [[1, 2], [3], [4]]
     decided = [decisions for decisions, _ in found]
     assert decided == [RSR.decisions(one) for one in (fast, slow, fast)]
+
+
+def test_one_guarded_app_stands_against_all_cases():
+    ((decided, _),) = by_decisions(list(CASES.values()), [1, 2], lambda *_: setting())
+    each = {name: case.decisions(setting()) for name, case in CASES.items()}
+    assert decided["grcn"]["/cmd_vel"] == each["gr"]["grcn"]["/cmd_vel"]
+    assert decided["grcn"]["/control/max_vel"] == {"policy": "Block", "release_after": "3 s"}
+    assert decided["rsrcn"] == each["rsr"]["rsrcn"]
+    assert decided["fps_monitor"] == each["rsr"]["fps_monitor"]
+    assert decided["msrcn"] == each["msr"]["msrcn"]
+
+
+def test_no_case_takes_back_what_another_decides():
+    each = [case.decisions(setting()) for case in CASES.values()]
+    assert together(each) == together(reversed(each))

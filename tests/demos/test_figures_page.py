@@ -19,6 +19,7 @@ from rtron.demos.measuring.run import Variant
 from rtron.errors import SourceError
 
 PNG = b"\x89PNG\r\n\x1a\n"
+SAID = [Said("rtron scan src", "2 risks")]
 EVIL = "<script>alert('&\"')</script>"
 
 
@@ -28,7 +29,6 @@ def findings(**values):
         "ros": 1,
         "runs": tuple(three().values()),
         "decisions": "grcn: {}\n",
-        "commands": (Said("rtron scan src", "2 risks"),),
     }
     return Findings(**defaults | values)
 
@@ -48,7 +48,7 @@ class Tags(HTMLParser):
 
 
 def test_the_page_tells_everything():
-    text = " ".join(Tags(page([(findings(), [Picture(PNG, "the ways")])])).text)
+    text = " ".join(Tags(page([(findings(), [Picture(PNG, "the ways")])], SAID)).text)
     for part in (
         GR.title,
         GR.attack,
@@ -64,7 +64,7 @@ def test_the_page_tells_everything():
 
 
 def test_a_picture_is_inside_the_page():
-    shown = dict(Tags(page([(findings(), [Picture(PNG, "the ways")])])).attributes)
+    shown = dict(Tags(page([(findings(), [Picture(PNG, "the ways")])], [])).attributes)
     assert shown["src"] == "data:image/png;base64," + b64encode(PNG).decode()
     assert shown["alt"] == "the ways"
 
@@ -72,28 +72,26 @@ def test_a_picture_is_inside_the_page():
 def test_nothing_from_outside_becomes_a_tag():
     runs = (made(Variant.ATTACKED, harm=EVIL),)
     said = (Said(f"rtron {EVIL}", EVIL),)
-    made_page = page(
-        [(findings(runs=runs, decisions=EVIL, commands=said), [Picture(PNG, f'"{EVIL}')])]
-    )
+    made_page = page([(findings(runs=runs, decisions=EVIL), [Picture(PNG, f'"{EVIL}')])], said)
     assert "script" not in Tags(made_page).tags
     assert made_page.count("<script") == 0
     assert unescape(made_page).count(EVIL) == 6
 
 
 def test_what_could_steer_a_terminal_is_shown_as_text():
-    text = page([(findings(commands=(Said("rtron", "\x1b[31mred"),)), [])])
+    text = page([(findings(), [])], [Said("rtron", "\x1b[31mred")])
     assert "\x1b" not in text
     assert r"\x1b[31mred" in text
 
 
-def test_each_case_has_its_part():
-    text = page([(findings(), []), (findings(case=MSR, decisions=""), [])])
-    assert Tags(text).tags.count("h1") == 2
+def test_each_case_has_its_part_and_the_commands_follow():
+    text = page([(findings(), []), (findings(case=MSR, decisions=""), [])], [])
+    assert Tags(text).tags.count("h1") == 3
     assert MSR.remedy not in text
 
 
 def test_the_page_allows_no_network():
-    text = page([(findings(), [])])
+    text = page([(findings(), [])], SAID)
     allowed = re.search(r'Policy" content="([^"]*)"', text).group(1)
     assert "default-src 'none'" in unescape(allowed)
     assert not re.search(r'(src|href)="(?!data:)', text)

@@ -20,6 +20,7 @@ def test_the_service_runs_as_long_as_the_block(tmp_path):
     environ = {**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}
     with Processes(tmp_path) as processes:
         with served(processes, tmp_path / "service", environ) as service:
+            service.wait()
             assert service.recorded.robots() == []
             assert service.recorded.state() is None
             assert len(service.password) >= 12

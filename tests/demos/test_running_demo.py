@@ -42,14 +42,12 @@ class Found:
         self.runs = runs
         self.scenes = {("gr", 1): CORRIDOR}
         self.decisions = {"gr": GR.decisions(Setting(scene=CORRIDOR, speed=2.0, rate=10.0))}
-        self.plans = {"gr": "app: tb3\n"}
+        self.plan = "app: tb3\n"
+        self.said = [Finished("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]
         self.pipeline = SimpleNamespace(folder=folder)
 
     def runs_of(self, _case, seed):
         return {run.variant: run for run in self.runs if run.seed == seed}
-
-    def said_of(self, _case):
-        return [Finished("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]
 
     def risks(self):
         return (RISK,)
@@ -84,7 +82,7 @@ def test_everything_is_written(tmp_path, found):
     assert names[0] == "report.html"
     assert {path.name for path in tmp_path.iterdir()} >= {*names, "graph.json", "log"}
     assert "gr-verdicts.png" in names
-    assert (tmp_path / "gr-rtron.yaml").read_text() == "app: tb3\n"
+    assert (tmp_path / "rtron.yaml").read_text() == "app: tb3\n"
     page = (tmp_path / "report.html").read_text()
     assert page.count("data:image/png;base64,") == 3
     assert "policy: Preemption" in page
@@ -111,9 +109,9 @@ def test_the_results_have_every_moment(tmp_path, found):
 
 
 def test_without_the_guard_there_are_no_decisions_to_show(tmp_path, found):
-    found.runs, found.decisions, found.plans = found.runs[:2], {}, {}
+    found.runs, found.decisions, found.plan = found.runs[:2], {}, ""
     names = write_results(tmp_path, WISH, found)
-    assert "gr-verdicts.png" not in names
+    assert not {"gr-verdicts.png", "rtron.yaml"} & set(names)
     assert GR.remedy not in (tmp_path / "report.html").read_text()
 
 

@@ -71,7 +71,8 @@ def demo(  # noqa: PLR0913 - one for each option
     msr   a goal is sent that lies in an area without network
 
     Each case is run without an attack, attacked, and attacked with the guard,
-    which scan, plan and instrument put in between.
+    which scan, plan and instrument put in between; with `all`, one plan stands
+    against all three.
 
     $ rtron demo gr                        one case, half a minute
     $ rtron demo all --ros 1               all three, on ROS 1
@@ -80,7 +81,7 @@ def demo(  # noqa: PLR0913 - one for each option
     $ rtron demo gr --runs 5 --seed 10     in worlds 10 to 14
     $ rtron demo all --format json         for a program
 
-    It writes pictures, results.json, the plans and report.html, in place of
+    It writes pictures, results.json, the plan and report.html, in place of
     those of an earlier demo. All runs on this machine and ends with the command.
 
     Exit code: 0 the attacks do harm without the guard and none with it, and the

@@ -1,4 +1,4 @@
-"""The report of a case: one page that needs nothing else."""
+"""The report of the cases: one page that needs nothing else."""
 
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
@@ -37,6 +37,8 @@ _PAGE = Template("""<!DOCTYPE html>
 </head>
 <body>
 $parts
+<h1>The commands</h1>
+$commands
 </body>
 </html>
 """)
@@ -47,8 +49,6 @@ _PART = Template("""<h1>$title</h1>
 <div class="wide"><table>$table</table></div>
 $pictures
 $decided
-<h2>The commands</h2>
-$commands
 """)
 _DECIDED = Template("""<h2>The developer's decisions in the plan</h2>
 <p>$remedy</p>
@@ -79,16 +79,20 @@ class Findings:
     ros: int
     runs: Sequence[Run]
     decisions: str
-    commands: Sequence[Said]
 
 
 Part = tuple[Findings, Sequence[Picture]]
 
 
-def page(parts: Iterable[Part]) -> str:
-    """Return the page; all text from outside is escaped, and nothing is loaded from elsewhere."""
+def page(parts: Iterable[Part], commands: Iterable[Said]) -> str:
+    """Return the page; the commands are those that led to the guarded app.
+
+    All text from outside is escaped, and nothing is loaded from elsewhere.
+    """
     shown = "".join(_part(found, pictures) for found, pictures in parts)
-    return _PAGE.substitute(policy=escape(policy((), _STYLE)), style=_STYLE, parts=shown)
+    said = "".join(map(_command, commands))
+    allowed = escape(policy((), _STYLE))
+    return _PAGE.substitute(policy=allowed, style=_STYLE, parts=shown, commands=said)
 
 
 def _part(found: Findings, pictures: Sequence[Picture]) -> str:
@@ -99,7 +103,6 @@ def _part(found: Findings, pictures: Sequence[Picture]) -> str:
         table=_table(found.runs),
         pictures="".join(map(_picture, pictures)),
         decided=_decided(found) if found.decisions else "",
-        commands="".join(map(_command, found.commands)),
     )
 
 

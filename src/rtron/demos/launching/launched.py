@@ -38,11 +38,6 @@ class App:
         return {name: started.said() for name, started in self.started.items()}
 
 
-def wait_until_joined(begun: "Begun", app: App) -> None:
-    """Wait until the graph has every node of an app."""
-    wait_for(lambda: _is_joined(begun, app), f"the nodes {', '.join(sorted(app.nodes))}")
-
-
 @contextmanager
 def launched(
     begun: "Begun", launch: Path, more: Mapping[str, str], plan: Path | None
@@ -54,9 +49,10 @@ def launched(
         for each in commands:
             started[each.node] = _start(begun.processes, each, {**begun.environ, **more})
         app = App(started, nodes)
-        wait_until_joined(begun, app)
         if plan:
-            wait_for(lambda: _is_closed(begun, app, plan), "the guard to be in every way")
+            wait_for(lambda: _is_guarded(begun, app, plan), "the guard to be in every way")
+        else:
+            wait_for(lambda: _is_joined(begun, app), f"the nodes {', '.join(sorted(app.nodes))}")
         yield app
     finally:
         begun.processes.end(tuple(started.values()))
@@ -89,7 +85,8 @@ def _is_joined(begun: "Begun", app: App) -> bool:
     return joined.issuperset(app.nodes)
 
 
-def _is_closed(begun: "Begun", app: App, plan: Path) -> bool:
-    app.check()
-    done = begun.rtron("verify", "--live", "--plan", plan, *_SETTLED, codes=_VERDICTS)
-    return done.code == 0
+def _is_guarded(begun: "Begun", app: App, plan: Path) -> bool:
+    """Tell whether the app is joined and every path of the plan is closed, asked at a time."""
+    words = ("verify", "--live", "--plan", plan, *_SETTLED)
+    with begun.rtron_beside(*words, codes=_VERDICTS) as verified:
+        return _is_joined(begun, app) and verified().code == 0

@@ -3,7 +3,7 @@
 import shlex
 import subprocess
 import time
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -118,15 +118,27 @@ class Processes:
         self, command: Command, environ: Environ, codes: Collection[int] = (0,), name: str = ""
     ) -> Finished:
         """Run a command to its end; SourceError if it takes too long or ends with another code."""
+        with self.finishing(command, environ, codes, name) as finished:
+            return finished()
+
+    @contextmanager
+    def finishing(
+        self, command: Command, environ: Environ, codes: Collection[int] = (0,), name: str = ""
+    ) -> Iterator[Callable[[], Finished]]:
+        """Run a command beside the block, which waits for its end as `finish` does, or ends it."""
         typed = shlex.join(map(str, command))
-        with self.running(command, environ, name) as started:
+
+        def finished() -> Finished:
             try:
                 code = started.popen.wait(_COMMAND_LIMIT)
             except subprocess.TimeoutExpired:
                 raise SourceError(f"{typed} takes more than {_COMMAND_LIMIT:g} s") from None
             if code not in codes:
                 raise SourceError(f"{typed} failed ({code})")
-            return Finished(typed, started.popen.returncode, started.said())
+            return Finished(typed, code, started.said())
+
+        with self.running(command, environ, name) as started:
+            yield finished
 
     def end(self, those: Sequence[Started]) -> None:
         """End processes together, and with force what they started and left behind."""

@@ -2,9 +2,9 @@
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -13,10 +13,11 @@ from uuid import getnode
 from rtron.demos.launching.apps import APPS, other_packages
 from rtron.demos.launching.domains import free_port, own_domain
 from rtron.demos.launching.environ import ros1_environ, ros2_environ, shared_environ
-from rtron.demos.launching.launched import App, launched, wait_until_joined
+from rtron.demos.launching.launched import App, launched
 from rtron.demos.launching.processes import Finished, Processes, Started
 from rtron.demos.launching.rosmaster import running_master
 from rtron.demos.launching.surroundings import need
+from rtron.demos.launching.waiting import wait_for
 from rtron.demos.launching.world import running_world
 from rtron.demos.world.owner import Owner
 
@@ -72,11 +73,17 @@ class Begun:
 
     def rtron(self, *words: str | Path, codes: Sequence[int] = (0,)) -> Finished:
         """Run a command of RTron; SourceError if it ends with none of the exit codes."""
+        with self.rtron_beside(*words, codes=codes) as finished:
+            typed = " ".join(map(_typed, words))
+            return replace(finished(), command=f"rtron {typed}")
+
+    def rtron_beside(
+        self, *words: str | Path, codes: Sequence[int] = (0,)
+    ) -> AbstractContextManager[Callable[[], Finished]]:
+        """Run a command of RTron beside the block, which waits for its end."""
         command = [self.python, "-m", "rtron", *words]
         shown = {**self.environ, "FORCE_COLOR": "1"}
-        done = self.processes.finish(command, shown, codes, name=str(words[0]))
-        typed = " ".join(map(_typed, words))
-        return Finished(f"rtron {typed}", done.code, done.text)
+        return self.processes.finishing(command, shown, codes, name=str(words[0]))
 
     def launched(
         self, launch: Path, more: Mapping[str, str] | None = None, plan: Path | None = None
@@ -96,8 +103,10 @@ class Begun:
         renamed: list[str | Path] = [script, f"__name:={name}"]
         if self.ros != 1:
             renamed = [self.python, script, "--ros-args", "-r", f"__node:={name}"]
+        journal = self.journal / f"{name}.jsonl"
+        journal.unlink(missing_ok=True)
         with self.processes.running(renamed, self.environ, name=name) as started:
-            wait_until_joined(self, App({name: started}, [f"/{name}"]))
+            wait_for(lambda: _is_there(started, journal), name)
             yield started
 
 
@@ -155,6 +164,11 @@ def _joined(
     found = ros1_environ(free_port())
     stack.enter_context(running_master(processes, {**environ, **found}))
     return found
+
+
+def _is_there(started: Started, journal: Path) -> bool:
+    started.check()
+    return journal.exists()
 
 
 def _put(path: Path, value: Mapping[str, Any]) -> None:

@@ -1,8 +1,8 @@
 """The security service of a run: it records what the guard decides, and shows it in its console."""
 
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,23 +11,29 @@ from rtron.demos.launching.processes import Processes, Started
 from rtron.demos.launching.recorded import Recorded
 from rtron.demos.launching.waiting import wait_for
 from rtron.errors import SourceError
+from rtron.service.offline import make_token, make_user
+from rtron.service.opening import open_database
 
 ROBOT = "tb3"
 """What the service calls the demo's robot."""
+_ADMIN = "admin"
 _ROLES = ("admin", "developer", "end_user")
-_NOTHING: Mapping[str, str] = {}
+_WHO = "rtron demo"
+_GUARD, _DEVELOPER, _READ = _SCOPES = ("guard", "developer", "read")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Service:
-    """A running service: its address, the admin's password for the console, what it recorded."""
+    """A service that was started: its address, the admin's password, what it recorded."""
 
     url: str
     password: str
     guard_token: Path
     developer_token: Path
     recorded: Recorded
-    rtron: "Rtron"
+    processes: Processes
+    started: Started
+    around: Mapping[str, str]
 
     @property
     def page(self) -> str:
@@ -38,12 +44,17 @@ class Service:
         """Return what leads a guard to the service."""
         return self._environ(self.guard_token)
 
+    def wait(self) -> None:
+        """Wait until the service answers; SourceError if it has ended."""
+        wait_for(self._answers, "the security service")
+
     def upload(self, graph: Path) -> None:
         """Let the console show the whole app that is guarded now, and all risks.
 
         To be called once its guard has told of itself; SourceError if the service refuses.
         """
-        self.rtron.finish("upload", graph, environ=self._environ(self.developer_token))
+        environ = {**self.around, **self._environ(self.developer_token)}
+        self.processes.finish(_command("upload", graph), environ, name="upload")
 
     def _environ(self, token: Path) -> dict[str, str]:
         return {
@@ -52,71 +63,56 @@ class Service:
             "RTRON_TOKEN_FILE": str(token),
         }
 
-
-@contextmanager
-def served(processes: Processes, folder: Path, environ: dict[str, str]) -> Iterator[Service]:
-    """Run the service on this machine until the end of the block, all its files in `folder`.
-
-    It runs in the Python of the caller. InputError or SourceError if it cannot be run.
-    """
-    folder.mkdir(mode=0o700)
-    rtron = Rtron(processes, environ | {"RTRON_DATABASE": str(folder / "rtron.db")})
-    password = folder / "admin.password"
-    roles = [word for role in _ROLES for word in ("--role", role)]
-    rtron.finish("user", "add", "admin", *roles, "--password-file", password)
-    guard = rtron.token(folder, "guard", "--robot", ROBOT)
-    developer = rtron.token(folder, "developer")
-    reader = rtron.token(folder, "read")
-    port = free_port()
-    with rtron.serving(port) as started:
-        recorded = Recorded(f"http://127.0.0.1:{port}", reader.read_text().strip(), ROBOT)
-        _wait(started, recorded)
-        yield Service(
-            url=recorded.url,
-            password=password.read_text().strip(),
-            guard_token=guard,
-            developer_token=developer,
-            recorded=recorded,
-            rtron=rtron,
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Rtron:
-    """The commands of RTron that work on one database."""
-
-    processes: Processes
-    environ: dict[str, str]
-
-    def finish(self, *words: str | Path, environ: Mapping[str, str] = _NOTHING) -> None:
-        """Run a command to its end; SourceError if it fails."""
-        command = self._command(*words)
-        self.processes.finish(command, {**self.environ, **environ}, name=str(words[0]))
-
-    def token(self, folder: Path, scope: str, *words: str) -> Path:
-        """Make a token; return the file in the folder that it is in."""
-        path = folder / f"{scope}.token"
-        self.finish("token", "create", scope, "--scope", scope, *words, "--token-file", path)
-        return path
-
-    @contextmanager
-    def serving(self, port: int) -> Iterator[Started]:
-        """Run the service until the end of the block."""
-        command = self._command("serve", "--port", str(port))
-        with self.processes.running(command, self.environ, name="serve") as started:
-            yield started
-
-    def _command(self, *words: str | Path) -> list[str | Path]:
-        return [sys.executable, "-m", "rtron", *words]
-
-
-def _wait(started: Started, recorded: Recorded) -> None:
-    def is_ready() -> bool:
-        started.check()
+    def _answers(self) -> bool:
+        self.started.check()
         try:
-            recorded.robots()
+            self.recorded.robots()
         except SourceError:
             return False
         return True
 
-    wait_for(is_ready, "the security service")
+
+@contextmanager
+def served(processes: Processes, folder: Path, environ: Mapping[str, str]) -> Iterator[Service]:
+    """Start the service on this machine, which runs until the end of the block.
+
+    All its files are in `folder`; it runs in the Python of the caller.
+    """
+    folder.mkdir(mode=0o700)
+    database, port = folder / "rtron.db", free_port()
+    password, tokens = _accounts(database)
+    paths = {scope: _kept(folder / f"{scope}.token", tokens[scope]) for scope in _SCOPES}
+    around = {**environ, "RTRON_DATABASE": str(database)}
+    with processes.running(_command("serve", "--port", str(port)), around, name="serve") as started:
+        url = f"http://127.0.0.1:{port}"
+        yield Service(
+            url=url,
+            password=password,
+            guard_token=paths[_GUARD],
+            developer_token=paths[_DEVELOPER],
+            recorded=Recorded(url, tokens[_READ], ROBOT),
+            processes=processes,
+            started=started,
+            around=around,
+        )
+
+
+def _accounts(path: Path) -> tuple[str, Mapping[str, str]]:
+    """Make the database with an admin; return the password, and a token for each scope."""
+    with closing(open_database(str(path))) as database:
+        password = make_user(database, _WHO, _ADMIN, _ROLES)
+        return password, {scope: make_token(database, _WHO, _wanted(scope)) for scope in _SCOPES}
+
+
+def _wanted(scope: str) -> Mapping[str, object]:
+    return {"name": scope, "scopes": [scope], "robot": ROBOT if scope == _GUARD else None}
+
+
+def _kept(path: Path, secret: str) -> Path:
+    path.touch(mode=0o600)
+    path.write_text(secret, encoding="utf-8")
+    return path
+
+
+def _command(*words: str | Path) -> Sequence[str | Path]:
+    return [sys.executable, "-m", "rtron", *words]

@@ -1,17 +1,18 @@
-"""Which worlds of a case can share a guarded app: those in which the same is decided."""
+"""Which worlds can share a guarded app: those in which the same is decided."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 from rtron.demos.cases import Case, Decisions, Setting
+from rtron.demos.cases.together import together
 
 
 def by_decisions(
-    case: Case, settings: Mapping[int, Setting]
+    cases: Sequence[Case], seeds: Sequence[int], setting: Callable[[Case, int], Setting]
 ) -> Sequence[tuple[Decisions, Sequence[int]]]:
-    """Return decisions, each with the seeds of the worlds in a row that they are for."""
+    """Return decisions against all cases, each with the seeds of the worlds in a row it is for."""
     found: list[tuple[Decisions, list[int]]] = []
-    for seed, setting in settings.items():
-        decisions = case.decisions(setting)
+    for seed in seeds:
+        decisions = together(case.decisions(setting(case, seed)) for case in cases)
         if not found or found[-1][0] != decisions:
             found.append((decisions, []))
         found[-1][1].append(seed)

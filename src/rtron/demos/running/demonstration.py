@@ -42,13 +42,14 @@ def demonstrate(wish: Wish, work: Path, tell: Tell, finish: Finish) -> None:
     """
     with begun(wish.ros, work, speed=wish.speed) as surroundings:
         study = Study(surroundings, Wanted(cases=wish.cases, seeds=wish.seeds), tell)
-        study.unguarded()
         if not wish.guard:
+            study.unguarded()
             finish(study, None)
             return
-        service_of = served(surroundings.processes, work / "service", dict(surroundings.environ))
-        with service_of as service, study.guarding(service):
-            finish(study, service)
+        with served(surroundings.processes, work / "service", surroundings.environ) as service:
+            study.unguarded()
+            with study.guarding(service):
+                finish(study, service)
 
 
 def as_expected(runs: Sequence[Run]) -> bool:

@@ -13,9 +13,10 @@ from rtron.errors import InputError
 SCHEMA = "rtron.demo/1"
 RESULTS = "results.json"
 REPORT = "report.html"
+PLAN = "rtron.yaml"
 LOG = "log"
 _KEPT = ("graph.json", "proposed.yaml", LOG)
-_OF_A_CASE = ("trajectories.png", "velocity.png", "verdicts.png", "rtron.yaml")
+_OF_A_CASE = ("trajectories.png", "velocity.png", "verdicts.png")
 _OURS = re.compile(r'\s*\{\s*"schema":\s*"rtron\.demo/')
 _HEAD = 200
 _HELP = "choose a folder with -o"
@@ -84,6 +85,6 @@ def _has_results(out: Path) -> bool:
 
 
 def _names() -> Iterator[str]:
-    yield from (REPORT, RESULTS, *_KEPT)
+    yield from (REPORT, RESULTS, PLAN, *_KEPT)
     for case in CASES:
         yield from (f"{case}-{name}" for name in _OF_A_CASE)

@@ -1,4 +1,4 @@
-"""What a demonstration leaves behind: pictures, figures as JSON, plans, and a report."""
+"""What a demonstration leaves behind: pictures, figures as JSON, the plan, and a report."""
 
 import json
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from rtron.demos.figures.velocity import velocity
 from rtron.demos.launching.processes import Finished
 from rtron.demos.measuring.run import Variant
 from rtron.demos.running.demonstration import Wish
-from rtron.demos.running.folder import REPORT, RESULTS, SCHEMA, clear, keep
+from rtron.demos.running.folder import PLAN, REPORT, RESULTS, SCHEMA, clear, keep
 from rtron.demos.running.study import Study
 
 _INDENT = 1
@@ -51,13 +51,13 @@ def write_results(out: Path, wish: Wish, study: Study) -> list[str]:
         (_findings(wish, case, study), [picture for _, picture in pictures[case.name]])
         for case in wish.cases
     ]
-    (out / REPORT).write_text(page(parts), encoding="utf-8")
+    commands = map(_said, study.said)
+    (out / REPORT).write_text(page(parts, commands), encoding="utf-8")
     found = json.dumps(document(wish, study, whole=True), indent=_INDENT)
     (out / RESULTS).write_text(found + "\n", encoding="utf-8")
-    plans = list(_plans(out, wish, study))
     keep(study.pipeline.folder, out)
     shown = [name for each in pictures.values() for name, _ in each]
-    return [REPORT, RESULTS, *shown, *plans]
+    return [REPORT, RESULTS, *shown, *_plan(out, study)]
 
 
 def _pictures(out: Path, wish: Wish, case: Case, study: Study) -> Iterator[tuple[str, Picture]]:
@@ -88,7 +88,6 @@ def _findings(wish: Wish, case: Case, study: Study) -> Findings:
         ros=wish.ros,
         runs=[run for run in study.runs if run.case == case.name],
         decisions=_yaml(decisions) if decisions else "",
-        commands=list(map(_said, study.said_of(case.name))),
     )
 
 
@@ -102,9 +101,7 @@ def _yaml(decisions: object) -> str:
     return str(yaml.safe_dump(plain, sort_keys=False))
 
 
-def _plans(out: Path, wish: Wish, study: Study) -> Iterator[str]:
-    for case in wish.cases:
-        if case.name in study.plans:
-            name = f"{case.name}-rtron.yaml"
-            (out / name).write_text(study.plans[case.name], encoding="utf-8")
-            yield name
+def _plan(out: Path, study: Study) -> Iterator[str]:
+    if study.plan:
+        (out / PLAN).write_text(study.plan, encoding="utf-8")
+        yield PLAN

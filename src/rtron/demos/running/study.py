@@ -5,11 +5,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtron.demos.cases import Case, Decisions, Setting
 from rtron.demos.launching.apps import NAME, launch_file
 from rtron.demos.launching.pipeline import Pipeline
-from rtron.demos.launching.processes import Finished
 from rtron.demos.launching.run import Begun
 from rtron.demos.launching.service import Service
 from rtron.demos.measuring.deviation import deviation
@@ -24,6 +24,9 @@ from rtron.risks import discover
 from rtron.sources.graph_json import GraphFile
 from rtron.vocabulary import Risk
 
+if TYPE_CHECKING:
+    from rtron.demos.launching.processes import Finished
+
 _COUNTED = 3 * SECOND // 2
 """So long (ns) after a run the guard has told its counts, which it does once a second."""
 _UNGUARDED = (Variant.UNATTACKED, Variant.ATTACKED)
@@ -32,8 +35,9 @@ _UNGUARDED = (Variant.UNATTACKED, Variant.ATTACKED)
 class Study:
     """Runs what is wanted, first without the guard, then with it; `runs` grows meanwhile.
 
-    `scenes` are by case and seed, `decisions` and `plans` by case: those of the first world, where
-    each has its own.
+    One guarded app stands against all cases. `scenes` are by case and seed, `decisions` by case;
+    they, `plan` and `said`, the commands that led to the guarded app and what they printed, are
+    those of the first world, where each has its own.
     """
 
     def __init__(self, begun: Begun, wanted: Wanted, tell: Tell) -> None:
@@ -41,9 +45,8 @@ class Study:
         self.runs: list[Run] = []
         self.scenes: dict[tuple[str, int], Scene] = {}
         self.decisions: dict[str, Decisions] = {}
-        self.plans: dict[str, str] = {}
-        self._scans: list[Finished] = []
-        self._guarding: dict[str, Sequence[Finished]] = {}
+        self.plan = ""
+        self.said: Sequence[Finished] = ()
         self._running = ExitStack()
         self._begun = begun
         self._wanted = wanted
@@ -53,10 +56,6 @@ class Study:
         """Return the runs of a case in one world, by variant."""
         found = (run for run in self.runs if (run.case, run.seed) == (case, seed))
         return {run.variant: run for run in found}
-
-    def said_of(self, case: str) -> Sequence[Finished]:
-        """Return the commands that led to the guarded app of a case, and what they printed."""
-        return [*self._scans, *self._guarding.get(case, ())]
 
     def risks(self) -> Sequence[Risk]:
         """Return the risks that the scan found, in the order of kinds."""
@@ -73,7 +72,7 @@ class Study:
             session.wait_until_connected()
             self._tell.now("rtron scan: who can interfere with whom?")
             self.pipeline.scan()
-            self._scans = list(self.pipeline.said)
+            self.said = tuple(self.pipeline.said)
             for case in self._wanted.cases:
                 for seed in self._wanted.seeds:
                     for variant in _UNGUARDED:
@@ -91,12 +90,12 @@ class Study:
     @contextmanager
     def guarding(self, service: Service | None = None) -> Iterator[None]:
         """Do what `guarded` does; the last guarded app runs on until the end of the block."""
+        wanted = self._wanted
+        if service:
+            service.wait()
         with self._running:
-            for case in self._wanted.cases:
-                settings = {seed: self._setting(case, seed) for seed in self._wanted.seeds}
-                for decisions, seeds in by_decisions(case, settings):
-                    self.decisions.setdefault(case.name, decisions)
-                    self._guarded(case, decisions, seeds, service)
+            for decisions, seeds in by_decisions(wanted.cases, wanted.seeds, self._setting):
+                self._guarded(decisions, seeds, service)
             yield
 
     def _setting(self, case: Case, seed: int) -> Setting:
@@ -104,28 +103,30 @@ class Study:
         scene, speed = self.scenes[case.name, seed], self._begun.speed
         return Setting(scene=scene, speed=speed, rate=self._wanted.camera_rate)
 
-    def _guarded(
-        self, case: Case, decisions: Decisions, seeds: Sequence[int], service: Service | None
-    ) -> None:
+    def _guarded(self, decisions: Decisions, seeds: Sequence[int], service: Service | None) -> None:
         self._running.close()
-        launch = self._instrumented(case, decisions)
+        launch = self._instrumented(decisions)
         began = time.time_ns()
         session = self._launched(launch, service.environ() if service else None)
-        runs = [self._run(session, case, seed, Variant.GUARDED) for seed in seeds]
+        cases = [(case, seed) for case in self._wanted.cases for seed in seeds]
+        runs = [(case, self._run(session, case, seed, Variant.GUARDED)) for case, seed in cases]
         events: Sequence[Event] = ()
         if service:
             events = service.recorded.events(began, time.time_ns() + _COUNTED)
             service.upload(self.pipeline.graph)
-        for run in runs:
+        for case, run in runs:
             self._keep(with_verdicts(run, case, events, self.pipeline.plan))
 
-    def _instrumented(self, case: Case, decisions: Decisions) -> Path:
-        """Return the launch file of an app that is guarded against a case."""
+    def _instrumented(self, decisions: Decisions) -> Path:
+        """Return the launch file of an app that is guarded by what was decided."""
         self._tell.now("rtron plan, check, instrument: what should stand in between?")
-        before = len(self.pipeline.said)
-        launch = self.pipeline.guard({"app": f"{NAME}, {case.name}", **decisions})
-        self._guarding.setdefault(case.name, self.pipeline.said[before:])
-        self.plans.setdefault(case.name, self.pipeline.plan.read_text(encoding="utf-8"))
+        launch = self.pipeline.guard({"app": NAME, **decisions})
+        if not self.decisions:
+            self.said = tuple(self.pipeline.said)
+            self.plan = self.pipeline.plan.read_text(encoding="utf-8")
+            for case in self._wanted.cases:
+                setting = self._setting(case, self._wanted.seeds[0])
+                self.decisions[case.name] = case.decisions(setting)
         return launch
 
     def _launched(self, launch: Path, more: Mapping[str, str] | None) -> Session:

@@ -9,13 +9,18 @@ from threading import Lock
 
 
 class Journal:
-    """The lines of one node, in `<node name>.jsonl`; without DEMO_JOURNAL none are written."""
+    """The lines of one node, in `<node name>.jsonl`; without DEMO_JOURNAL none are written.
+
+    The file is there from the beginning, which tells that the node is.
+    """
 
     def __init__(self, node: str, folder: str | None = None) -> None:
         folder = folder or os.environ.get("DEMO_JOURNAL")
         name = node.strip("/").replace("/", "_")
         self._lock = Lock()
         self._path = Path(folder, f"{name}.jsonl") if folder else None
+        if self._path:
+            self._path.touch()
 
     def sent(self, topic: str, value: Sequence[float], *, malicious: bool = False) -> None:
         """Note a message that the node is sending."""

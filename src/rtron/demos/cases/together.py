@@ -1,0 +1,15 @@
+"""The decisions of several cases as one developer would write them: one plan against them all."""
+
+from collections.abc import Iterable
+
+from rtron.demos.cases.case import Decisions
+
+
+def together(each: Iterable[Decisions]) -> Decisions:
+    """Return what is decided in any of them; of a topic's GRCN, all that is said of it."""
+    found: Decisions = {}
+    for decisions in each:
+        known = found.get("grcn", {})
+        said = {topic: {**known.get(topic, {}), **of} for topic, of in decisions["grcn"].items()}
+        found = {**found, **decisions, "grcn": {**known, **said}}
+    return found
