@@ -1,5 +1,6 @@
 """How a command of RTron is shown: as one would type it beside the demo's packages."""
 
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 from rtron.demos.launching.apps import launch_file, other_packages, own_packages
@@ -8,11 +9,8 @@ from rtron.demos.launching.run import Begun
 
 
 def test_packages_are_told_apart(tmp_path):
-    class Ran:
-        def finish(self, command, _environ, _codes, name):
-            return Finished(f"{name} {command[-1]}", 0, "done")
-
-    begun = SimpleNamespace(python="python", environ={}, processes=Ran())
+    ran = nullcontext(lambda: Finished("/usr/bin/python -m rtron", 0, "done"))
+    begun = SimpleNamespace(rtron_beside=lambda *_, codes: ran if codes == (0,) else None)
     words = ("instrument", launch_file(1), "-o", tmp_path / "guarded.launch", "--packages")
     done = Begun.rtron(begun, *words, own_packages(1), "--packages", other_packages(1))
     assert done.command == (
