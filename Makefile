@@ -7,6 +7,7 @@ PYTHON := $(BIN)/python
 ROS2_PYTHON := .venv-ros2/bin/python
 ROS2_TESTS = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
 ALONE := tests/demos/test_demo_ros1.py
+FAILED := --last-failed --last-failed-no-failures none
 CODE := src tests scripts bench evaluation figures
 
 help: ## List the targets
@@ -33,8 +34,8 @@ coverage: setup ## Check that the tests go through every branch of the policies,
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
-test: lint coverage test-ros2 ## Run lint, coverage and every test
-	$(BIN)/pytest -m "not ros2" -n auto --dist loadfile --ignore=$(ALONE)
+test: lint coverage test-ros2 ## Run lint, coverage and every test; what fails beside others, once more alone
+	$(BIN)/pytest -m "not ros2" -n auto --dist loadfile --ignore=$(ALONE) || $(BIN)/pytest $(FAILED)
 	$(BIN)/pytest $(ALONE)
 
 test-ros2: setup ## Run the tests on a real ROS 2
