@@ -9,7 +9,6 @@ from evaluation.part import Tell
 from evaluation.place import AbsentError, Place
 from figures.figure import Figure
 from rtron.demos.cases import CASES
-from rtron.demos.launching.apps import launch_file
 from rtron.demos.launching.pipeline import Pipeline
 from rtron.demos.launching.run import begun
 from rtron.demos.launching.surroundings import lacking
@@ -69,8 +68,7 @@ def _adapted(ros: int) -> list[Adaptation]:
     """Return the adaptations at speed 1, in which the guard's time is that of the robot."""
     with TemporaryDirectory(prefix="rtron-demo-") as work, begun(ros, Path(work)) as surroundings:
         pipeline = Pipeline(surroundings, Path(work))
-        with surroundings.launched(launch_file(ros)):
-            pipeline.scan()
+        pipeline.scan()
         return adaptations(surroundings, pipeline, _SEEDS)
 
 

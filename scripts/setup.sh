@@ -129,7 +129,7 @@ fi
 install_packages
 make_venv .venv requirements.lock 4
 if has_ros2_wheels; then
-  make_venv .venv-ros2 requirements-ros2.lock 4
+  make_venv .venv-ros2 requirements-ros2.lock $ROS2_BELOW
 else
   echo "setup: no wheels of ROS 2 for $(uname -m): its tests are left out"
 fi

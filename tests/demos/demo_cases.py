@@ -14,6 +14,7 @@ import pytest
 from rtron.demos.cases import CASES
 from rtron.demos.launching.run import begun
 from rtron.demos.measuring.run import Variant
+from rtron.demos.running.demonstration import Wish, demonstrate
 from rtron.demos.running.study import Study
 from rtron.demos.running.wanted import Tell, Wanted
 
@@ -33,6 +34,15 @@ def studied(ros, folder, *cases):
         study.unguarded()
         study.guarded()
     return study
+
+
+def shown(ros, folder):
+    """Return the runs of all cases in one world as `rtron demo all` makes them, recorded."""
+    wish = Wish(cases=list(CASES.values()), seeds=SEEDS[:1], ros=ros, speed=SPEED)
+    found = []
+    tell = Tell(lambda now: None, lambda done: None)
+    demonstrate(wish, folder, tell, lambda study, _: found.extend(study.runs))
+    return found
 
 
 EXPECTED = {

@@ -156,12 +156,24 @@ def test_the_console_shows_only_what_was_guarded():
         demo(CaseName.GR, guard=False, console=True)
 
 
+@pytest.mark.parametrize("screen", ["", ":0"])
+def test_the_console_is_opened_where_there_is_a_screen(monkeypatch, screen):
+    opened = []
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setenv("DISPLAY", screen)
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr("threading.Event.wait", lambda _: None)
+    demonstrating.show_console(SimpleNamespace(page="http://here/", password="word"))
+    assert opened == (["http://here/"] if screen else [])
+
+
 @pytest.mark.parametrize("aside", [False, True])
 def test_the_console_is_told_beside_what_a_program_reads(capsys, monkeypatch, aside):
     def interrupt(_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("threading.Event.wait", interrupt)
+    monkeypatch.setattr("webbrowser.open", lambda _: True)
     service = SimpleNamespace(page="http://here/#/robots/tb3/events", password="word")
     demonstrating.show_console(service, aside=aside)
     told, other = capsys.readouterr() if not aside else reversed(capsys.readouterr())

@@ -1,7 +1,9 @@
 """What `rtron demo` needs around it: packages, a ROS, a folder, a bar, the console at the end."""
 
+import os
 import sys
 import threading
+import webbrowser
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from rtron.demos.running.wanted import Tell
 
 _NEEDED = ("irsim", "matplotlib", "numpy", "shapely")
+_SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
 LAST_SEED = 2**31 - 1
 _NO_ROS = "`make setup` in a checkout installs one"
 
@@ -109,12 +112,14 @@ def shown_progress(runs: int) -> Iterator[Shown]:
 
 
 def show_console(service: "Service", *, aside: bool = False) -> None:
-    """Say where the console is and how to log in, and wait there for Ctrl-C.
+    """Open the console, say where it is and how to log in, and wait there for Ctrl-C.
 
     `aside`: on standard error, since standard output is for a program.
     """
     say = sys.stderr.write if aside else tell
     say(f"\nThe console: {service.page}\nuser admin, password {service.password}\n")
     say("The guarded app still runs there. Ctrl-C ends both.\n")
+    if any(os.environ.get(screen) for screen in _SCREENS):
+        webbrowser.open(service.page)
     with suppress(KeyboardInterrupt):
         threading.Event().wait()

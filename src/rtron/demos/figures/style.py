@@ -90,8 +90,10 @@ def legend_below(figure: "Figure", axes: "Axes", columns: int) -> None:
     figure.legend(found.values(), found.keys(), **place)
 
 
-def shade_attack(axes: "Axes", run: Run) -> None:
-    """Shade the time in which malicious messages were sent."""
-    if run.attack_span:
+def shade_attack(axes: "Axes", *runs: Run) -> None:
+    """Shade the time in which malicious messages were sent, in any of the runs."""
+    spans = [run.attack_span for run in runs if run.attack_span]
+    if spans:
+        began, ended = min(first for first, _ in spans), max(last for _, last in spans)
         style: Style = {"color": ATTACK, "alpha": 0.55, "linewidth": 0, "zorder": 0}
-        axes.axvspan(*run.attack_span, label="attack", **style)
+        axes.axvspan(began, ended, label="attack", **style)

@@ -43,7 +43,7 @@ def velocity(path: Path, title: str, scene: Scene, runs: Runs, *, turn: bool) ->
             axes[1].set_ylabel("turn [rad/s]")
         axes[0].axhline(scene["overspeed"], color=LIMIT, linewidth=1.4, label="too fast above this")
         for each in axes:
-            _shade_longest(each, runs)
+            shade_attack(each, *runs.values())
             each.margins(y=0.1)
             each.set_xlim(left=0.0)
         axes[-1].set_xlabel("time since the start [simulated s]")
@@ -67,10 +67,3 @@ def _speed(truth: Truth) -> float:
 
 def _turn(truth: Truth) -> float:
     return truth.velocity[1]
-
-
-def _shade_longest(axes: "Axes", runs: Runs) -> None:
-    """Shade the attack on the run that lived through most of it."""
-    attacked = [run for run in runs.values() if run.attack_span]
-    if attacked:
-        shade_attack(axes, max(attacked, key=lambda run: run.ended))

@@ -3,7 +3,7 @@
 Decisions are plain data with the words of the plan's file. What they do not mention stays as it
 was proposed.
 
-    {"app": "tb3_demo, gr",
+    {"app": "tb3_demo",
      "grcn": {"/cmd_vel": {"policy": "Preemption", "priorities": {"/move_base": 2}},
               "/goal": {"flows": {"/mission": {"timeout": "1 s"}}}},
      "rsrcn": {"policy": "Constrain", "max_vel_limit": "0.22 m/s", "vflows": ["/control/max_vel"]},

@@ -33,10 +33,6 @@ class App:
         for started in self.started.values():
             started.check()
 
-    def logs(self) -> dict[str, str]:
-        """Return what each process has said."""
-        return {name: started.said() for name, started in self.started.items()}
-
 
 @contextmanager
 def launched(
@@ -77,10 +73,12 @@ def _is_joined(begun: "Begun", app: App) -> bool:
     app.check()
     generation = ("--ros", str(begun.ros), *(_SETTLED if begun.ros != 1 else ()))
     words = ("scan", "--live", *generation, "--format", "graph", "--fail-on", "never")
+    found = begun.folder / "joined.json"
     try:
-        graph = json.loads(begun.rtron(*words).text)
-    except (SourceError, ValueError):  # nobody has joined yet, or somebody is just leaving
+        begun.rtron(*words, "-o", found)
+    except SourceError:  # nobody has joined yet, or somebody is just leaving
         return False
+    graph = json.loads(found.read_text(encoding="utf-8"))
     joined = {end["node"] for end in graph["endpoints"] if not end.get("implicit")}
     return joined.issuperset(app.nodes)
 

@@ -12,8 +12,6 @@ from rtron.demos.launching.run import Begun
 
 _FOUND = (0, 1)
 """A scan ends with 1 when it found risks."""
-_SETTLED = "5"
-"""Seconds that a domain of ROS 2 gets to be found whole."""
 
 
 @dataclass(slots=True)
@@ -49,7 +47,7 @@ class Pipeline:
         return self.folder / f"guarded{kind}"
 
     def scan(self) -> None:
-        """Read the app: in ROS 1 from its source; in ROS 2 as it runs, so it must run now."""
+        """Read the app from its launch files and source; nothing of it need run."""
         self.folder.mkdir(parents=True, exist_ok=True)
         self._rtron("scan", *self._app(), "--format", "graph", "-o", self.graph, codes=_FOUND)
         self._rtron("scan", self.graph, codes=_FOUND)
@@ -70,9 +68,9 @@ class Pipeline:
 
         In ROS 1 the third-party packages are found by ROS_PACKAGE_PATH, which makes them so.
         """
-        if self.begun.ros == 1:
-            return (own_packages(1), "--launch", launch_file(1))
-        return ("--live", "--ros", "2", "--timeout", _SETTLED)
+        ros = self.begun.ros
+        folders = [own_packages(1)] if ros == 1 else [own_packages(2), other_packages(2)]
+        return (*folders, "--launch", launch_file(ros))
 
     def _rtron(self, *words: str | Path, codes: Sequence[int] = (0,)) -> None:
         self.said.append(self.begun.rtron(*words, codes=codes))

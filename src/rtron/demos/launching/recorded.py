@@ -73,10 +73,6 @@ class Recorded:
         wanted = {"since": since, "until": end} | ({"kind": kind} if kind else {})
         return sorted(self._pages(wanted), key=lambda event: event["at"])
 
-    def verdicts(self, since: int, until: int | None = None) -> list[Event]:
-        """Return the verdicts; one is told where it differs from its flow's before."""
-        return self.events(since, until, "verdict")
-
     def counts(self, since: int, until: int | None = None) -> dict[str, dict[str, Tally]]:
         """Return by topic and flow how many messages met which decision."""
         return counted(self.events(since, until, "counts"))

@@ -82,8 +82,7 @@ class Begun:
     ) -> AbstractContextManager[Callable[[], Finished]]:
         """Run a command of RTron beside the block, which waits for its end."""
         command = [self.python, "-m", "rtron", *words]
-        shown = {**self.environ, "FORCE_COLOR": "1"}
-        return self.processes.finishing(command, shown, codes, name=str(words[0]))
+        return self.processes.finishing(command, self.environ, codes, name=str(words[0]))
 
     def launched(
         self, launch: Path, more: Mapping[str, str] | None = None, plan: Path | None = None

@@ -9,6 +9,7 @@ from rtron.errors import SourceError
 T = TypeVar("T")
 _LIMIT = 60.0
 _PAUSE = 0.05
+_HELP = "is the machine busy with other things? end them, or try it with --speed 1"
 
 
 def wait_for(condition: Callable[[], T], what: str, limit: float = _LIMIT) -> T:
@@ -16,6 +17,6 @@ def wait_for(condition: Callable[[], T], what: str, limit: float = _LIMIT) -> T:
     deadline = time.monotonic() + limit
     while not (found := condition()):
         if time.monotonic() > deadline:
-            raise SourceError(f"waited {limit:g} s for {what}")
+            raise SourceError(f"waited {limit:g} s for {what}", help=_HELP)
         time.sleep(_PAUSE)
     return found

@@ -20,6 +20,7 @@ from rtron.demos.running.folder import PLAN, REPORT, RESULTS, SCHEMA, clear, kee
 from rtron.demos.running.study import Study
 
 _INDENT = 1
+_SCALES = "The highest bar of each row is its own busiest second."
 
 
 def document(wish: Wish, study: Study, *, whole: bool = False) -> dict[str, Any]:
@@ -74,7 +75,8 @@ def _pictures(out: Path, wish: Wish, case: Case, study: Study) -> Iterator[tuple
         decided = f"{case.name}-verdicts.png"
         title = f"{where}: what the guard decided"
         timeline(out / decided, title, guarded, [case.topic])
-        yield decided, _picture(out / decided, f"What the guard decided ({where}).")
+        told = f"What the guard decided, second by second of the clock ({where}). {_SCALES}"
+        yield decided, _picture(out / decided, told)
 
 
 def _picture(path: Path, caption: str) -> Picture:

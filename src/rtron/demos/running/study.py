@@ -62,17 +62,17 @@ class Study:
         return discover(GraphFile(self.pipeline.graph).read()).risks
 
     def unguarded(self) -> None:
-        """Run the app as it is, and scan it: each case in each world, without and with an attack.
+        """Scan the app and run it as it is: each case in each world, without and with an attack.
 
         SourceError if something that it needs has ended or does not answer.
         """
+        self._tell.now("rtron scan: who can interfere with whom?")
+        self.pipeline.scan()
+        self.said = tuple(self.pipeline.said)
         self._tell.now("starting the app as it is")
         with self._begun.launched(launch_file(self._begun.ros)) as app:
             session = Session(self._begun, app, self._wanted.camera_rate)
             session.wait_until_connected()
-            self._tell.now("rtron scan: who can interfere with whom?")
-            self.pipeline.scan()
-            self.said = tuple(self.pipeline.said)
             for case in self._wanted.cases:
                 for seed in self._wanted.seeds:
                     for variant in _UNGUARDED:
