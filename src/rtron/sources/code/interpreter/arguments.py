@@ -1,15 +1,16 @@
 """What a call passes, as native functions see it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.values import Value
 from rtron.sources.code.ir import TypeRef
+from rtron.sources.code.record import record
 from rtron.vocabulary import Evidence
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Arguments:
     """The values of a call, and the places of those that have one, to be written to by C++.
 

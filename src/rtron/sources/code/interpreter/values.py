@@ -9,13 +9,14 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from rtron.sources.code.ir import Class, Function, TypeRef
+from rtron.sources.code.record import record
 
 MAX_CHOICES = 24
 MAX_PARTS = 24
 MAX_LENGTH = 4096
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Known:
     """A str, int, float, bool, bytes or None."""
 
@@ -23,7 +24,7 @@ class Known:
     tainted: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Hole:
     """A value that cannot be known, and what it is called in the source: `~prefix`, `argv[1]`."""
 
@@ -32,7 +33,7 @@ class Hole:
     type: TypeRef | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Text:
     """A string of which parts are holes."""
 
@@ -40,7 +41,7 @@ class Text:
     tainted: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Choice:
     """One of several values; which, is decided where nothing can be known."""
 
@@ -124,7 +125,7 @@ class FunctionValue:
     named: Mapping[str, "Value"] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Placeholder:
     """`_1`, `_2` in boost::bind."""
 
@@ -155,14 +156,14 @@ class ModuleValue:
     file: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class MessageType:
     """A message, service or action type: `std_msgs/String`."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Native:
     """A function of a library that RTron knows; `owner` is what it is bound to."""
 
@@ -185,7 +186,7 @@ class NativeClass:
     called: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Foreign:
     """Something of a library nobody knows, by its dotted name."""
 

@@ -1,23 +1,23 @@
 """The expressions of the intermediate representation: what has a value."""
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from rtron.sources.code.ir.types import TypeRef
+from rtron.sources.code.record import record
 
 if TYPE_CHECKING:
     from rtron.sources.code.ir.functions import Function
     from rtron.sources.code.ir.statements import Declare
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Const:
     """A str, int, float, bool, bytes or None (`nullptr`, `NULL`)."""
 
     value: str | int | float | bool | bytes | None
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Name:
     """A variable, function, class, module or namespace member; `this` and `self` are names too.
 
@@ -28,7 +28,7 @@ class Name:
     types: tuple[TypeRef, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Attr:
     """A member: `owner.name`, `owner->name`; `*p` and `&x` are lowered to `p` and `x` themselves.
 
@@ -40,7 +40,7 @@ class Attr:
     types: tuple[TypeRef, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Index:
     """An element: `owner[key]`; a slice is an Opaque key."""
 
@@ -48,7 +48,7 @@ class Index:
     key: "Expr"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Call:
     """A call; `keywords` holds Python's named arguments, a name of "**" spreads a mapping.
 
@@ -62,7 +62,7 @@ class Call:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class New:
     """C++: a value of a type is made: `new T(args)`, `T{args}`, or by a Declare's initialiser."""
 
@@ -71,7 +71,7 @@ class New:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Binary:
     """`left operator right`, the operator spelled as in Python; C++ `<<` stays `<<`.
 
@@ -84,7 +84,7 @@ class Binary:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Unary:
     """`not x`, `-x`, `+x`, `~x`."""
 
@@ -92,7 +92,7 @@ class Unary:
     operand: "Expr"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Logic:
     """`and`/`or` (C++ `&&`, `||`) of two or more operands, evaluated until decided."""
 
@@ -100,7 +100,7 @@ class Logic:
     operands: tuple["Expr", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Conditional:
     """`body if test else orelse`, `test ? body : orelse`."""
 
@@ -109,14 +109,14 @@ class Conditional:
     orelse: "Expr"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Concat:
     """The parts of an f-string, each made a string and put together."""
 
     parts: tuple["Expr", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Sequence:
     """A list, tuple or set that is written out; C++ `{a, b}` without a type is a list."""
 
@@ -124,14 +124,14 @@ class Sequence:
     kind: str = "list"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Mapping:
     """A dict that is written out; a key of None spreads the value into it."""
 
     items: tuple[tuple["Expr | None", "Expr"], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Comprehension:
     """`[element for target in iterable if test]`; a dict's element is a tuple of key and value."""
 
@@ -140,7 +140,7 @@ class Comprehension:
     loops: tuple[tuple["Expr", "Expr", tuple["Expr", ...]], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Lambda:
     """A function without a name: `lambda`, `[&](…) { … }`.
 
@@ -153,14 +153,14 @@ class Lambda:
     captures: tuple["Declare", ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Star:
     """`*values` in a call or a list."""
 
     value: "Expr"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Opaque:
     """An expression nobody here understands, the expressions within it, and its text, cut short."""
 

@@ -1,13 +1,12 @@
 """The functions and classes of the intermediate representation."""
 
-from dataclasses import dataclass
-
 from rtron.sources.code.ir.expressions import Expr
 from rtron.sources.code.ir.statements import Declare, Stmt
 from rtron.sources.code.ir.types import TypeRef
+from rtron.sources.code.record import record
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Param:
     """A parameter; `kind` is "plain", "star" (`*args`), "stars" (`**kwargs`) or "keyword" (only).
 
@@ -22,7 +21,7 @@ class Param:
     reference: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Function:
     """A function, method or lambda. Python: `name` is the plain one and methods name their self.
 
@@ -46,7 +45,7 @@ class Function:
     virtual: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Class:
     """A class or struct.
 

@@ -1,16 +1,16 @@
 """The statements of the intermediate representation: what a body does, in order."""
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from rtron.sources.code.ir.expressions import Expr
 from rtron.sources.code.ir.types import TypeRef
+from rtron.sources.code.record import record
 
 if TYPE_CHECKING:
     from rtron.sources.code.ir.functions import Class, Function
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Evaluate:
     """An expression evaluated for what it does; `x++` is an Assign."""
 
@@ -18,7 +18,7 @@ class Evaluate:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Assign:
     """`targets = value`, each target a Name, Attr, Index, or Sequence that is taken apart.
 
@@ -30,7 +30,7 @@ class Assign:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Declare:
     """A C++ variable or data member: local, of a class, or of a namespace.
 
@@ -47,7 +47,7 @@ class Declare:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class If:
     """`if`; a `switch` is a chain of them, an `elif` stands alone in `orelse`."""
 
@@ -57,7 +57,7 @@ class If:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class While:
     """`while`, and C++ `for (;;)` behind its initialiser; `step` runs after each round.
 
@@ -71,7 +71,7 @@ class While:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class ForEach:
     """`for target in iterable`, `for (auto& target : iterable)`; a target of C++ is a Name."""
 
@@ -81,7 +81,7 @@ class ForEach:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Return:
     """`return value`."""
 
@@ -89,31 +89,31 @@ class Return:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Yield:
     """`yield value`; `yield from` spreads (a Star)."""
 
     value: Expr | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Break:
     """`break`."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Continue:
     """`continue`."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Raise:
     """`raise`, `throw`."""
 
     value: Expr | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Try:
     """`try`; each handler is (names of the exceptions caught, variable or "", body)."""
 
@@ -123,7 +123,7 @@ class Try:
     final: tuple["Stmt", ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Define:
     """Python: a function or class is defined here, by its name."""
 
@@ -131,7 +131,7 @@ class Define:
     decorators: tuple[Expr, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Import:
     """`import module as alias` (`name` is None), `from module import name as alias`.
 
@@ -145,14 +145,14 @@ class Import:
     line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Global:
     """`global` and `nonlocal` names."""
 
     names: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Delete:
     """`del targets`, `delete pointer`."""
 

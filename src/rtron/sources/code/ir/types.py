@@ -1,9 +1,9 @@
 """The types of the intermediate representation, as a file writes them."""
 
-from dataclasses import dataclass
+from rtron.sources.code.record import record
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class TypeRef:
     """A type as it is written, without const, & and *: `boost::shared_ptr<std_msgs::String>`.
 

@@ -1,11 +1,12 @@
 """One source file in the intermediate representation."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 
 from rtron.sources.code.ir.functions import Class, Function
 from rtron.sources.code.ir.statements import Stmt
 from rtron.sources.code.ir.types import TypeRef
+from rtron.sources.code.record import record
 
 
 class Language(str, Enum):
@@ -15,7 +16,7 @@ class Language(str, Enum):
     CPP = "cpp"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Problem:
     """A part of a file that could not be read, and why."""
 
@@ -23,7 +24,7 @@ class Problem:
     why: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Unit:
     """One source file.
 
