@@ -13,6 +13,7 @@ from rtron.sources.code.ir import (
     Continue,
     Declare,
     Delete,
+    Expr,
     Function,
     Index,
     Name,
@@ -62,21 +63,17 @@ def called_words(function: Function) -> frozenset[str]:
 @_by_identity
 def written_names(function: Function) -> frozenset[str]:
     """Return the members and globals that a function may assign to."""
-    local = {declared.name for declared in _nodes(function.body) if isinstance(declared, Declare)}
-    targets = [
-        target
-        for node in _nodes(function.body)
-        if isinstance(node, Assign)
-        for target in node.targets
-    ]
-    changed = [target.owner if isinstance(target, Index) else target for target in targets]
-    changed.extend(
-        node.function.owner
-        for node in _nodes(function.body)
-        if isinstance(node, Call)
-        and isinstance(node.function, Attr)
-        and node.function.name in _ADDING
-    )
+    local: set[str] = set()
+    changed: list[Expr] = []
+    for node in _nodes(function.body):
+        if isinstance(node, Declare):
+            local.add(node.name)
+        elif isinstance(node, Assign):
+            changed.extend(t.owner if isinstance(t, Index) else t for t in node.targets)
+        elif isinstance(node, Call):
+            added = node.function
+            if isinstance(added, Attr) and added.name in _ADDING:
+                changed.append(added.owner)
     names = {target.name for target in changed if isinstance(target, Attr)}
     names |= {target.id for target in changed if isinstance(target, Name)} - local
     return frozenset(names)

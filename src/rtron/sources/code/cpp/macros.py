@@ -7,9 +7,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-STRING = r'(?:u8|[uUL])?"(?:\\(?s:.)|[^"\\\n])*"?'
-RAW_STRING = r'(?:u8|[uUL])?R"(?P<raw>[^()\\\s]{0,16})\((?s:.*?)(?:\)(?P=raw)"|\Z)'
-CHARACTER = r"(?:u8|[uUL])?'(?:\\.|[^'\\\n]){1,12}'"
+ENCODING = r"(?:u8|[uUL])?"
+STRING = ENCODING + r'"(?:\\(?s:.)|[^"\\\n])*"?'
+RAW_STRING = ENCODING + r'R"(?P<raw>[^()\\\s]{0,16})\((?s:.*?)(?:\)(?P=raw)"|\Z)'
+CHARACTER = ENCODING + r"'(?:\\.|[^'\\\n]){1,12}'"
 _TOKEN = re.compile(rf"{RAW_STRING}|{STRING}|{CHARACTER}|\.?\d(?:[\w.']|[eEpP][+-])*|[A-Za-z_]\w*")
 _ARGUMENT = re.compile(rf"{RAW_STRING}|{STRING}|{CHARACTER}|[(),\[\]{{}}]")
 _IDENTIFIER = re.compile(r"[A-Za-z_]\w*")

@@ -9,17 +9,20 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from rtron.sources.code.cpp.condition import holds
-from rtron.sources.code.cpp.macros import CHARACTER, RAW_STRING, STRING, Macro, Macros
+from rtron.sources.code.cpp.macros import CHARACTER, ENCODING, RAW_STRING, STRING, Macro, Macros
 from rtron.sources.code.cpp.predefined import LOGGING, PREDEFINED, QT_WORDS
 from rtron.sources.code.ir import Problem
 
 _CONTINUED = r"(?:\\\n|[^\n])*"
 _PIECE = re.compile(
-    rf"(?P<comment>/\*(?s:.*?)(?:\*/|\Z)|//{_CONTINUED})"
-    rf"|(?P<directive>^[ \t]*#{_CONTINUED})"
-    rf"|{RAW_STRING}|{STRING}|{CHARACTER}",
-    re.MULTILINE,
+    rf"/\*(?s:.*?)(?:\*/|\Z)|//{_CONTINUED}|\n[ \t]*#{_CONTINUED}"
+    rf"|{RAW_STRING.removeprefix(ENCODING)}|{STRING.removeprefix(ENCODING)}"
+    rf"|{CHARACTER.removeprefix(ENCODING)}"
 )
+"""Comments, directives with the newline before them, and what neither is looked for in.
+
+Each begins with a letter of its own, which lets the search skip what lies between.
+"""
 _COMMENT = re.compile(rf"(?P<comment>/\*(?s:.*?)(?:\*/|\Z)|//.*)|{STRING}|{CHARACTER}")
 _DIRECTIVE = re.compile(r"\s*#\s*(\w*)\s*(.*)", re.DOTALL)
 _DEFINE = re.compile(r"(\w+)(?:\(([^()]*)\))?\s*(.*)", re.DOTALL)
@@ -92,19 +95,20 @@ class _Reader:
     def _pieces(self, text: str) -> Iterator[str]:
         """Yield the live code between directives, and the newlines of all that goes."""
         segment: list[str] = []
-        position = 0
+        text, position = f"\n{text}", 1
         for found in _PIECE.finditer(text):
-            kind = found.lastgroup
-            if kind not in {"comment", "directive"}:
+            piece = found.group()
+            if piece[0] not in "/\n":
                 continue
-            segment.append(text[position : found.start()])
+            start = found.start() + (piece[0] == "\n")
+            segment.append(text[position:start])
             position = found.end()
-            lines = found.group().count("\n")
-            if kind == "comment":
+            lines = text.count("\n", start, position)
+            if piece[0] == "/":
                 segment.append(" " + "\n" * lines)
                 continue
             yield self._finished(segment)
-            self._directive(found.group())
+            self._directive(piece[1:])
             self._line += lines
             yield "\n" * lines
         segment.append(text[position:])

@@ -10,6 +10,7 @@ from rtron.sources.code.ir import TypeRef
 Types = tuple[TypeRef, ...]
 _MAX_ARGUMENTS = 64
 _NAMED_TEMPLATES = {"template_type", "template_function", "template_method"}
+_IDENTIFIERS = {"identifier", "field_identifier", "type_identifier", "namespace_identifier"}
 _SPECIFIERS = {"struct_specifier", "class_specifier", "union_specifier", "enum_specifier"}
 _DEDUCED = {"placeholder_type_specifier", "auto", "decltype"}
 
@@ -61,6 +62,8 @@ def spaced(context: Context, node: Node) -> str:
 
 def named(context: Context, node: Node | None) -> tuple[str, Types]:
     """Return a name, qualified as it is written, and the last template arguments in it."""
+    if node is not None and node.type in _IDENTIFIERS:
+        return _plain(context, node), ()
     parts: list[str] = []
     types: Types = ()
     while node is not None and node.type == "qualified_identifier":

@@ -97,10 +97,11 @@ def _call_unknown(machine: Machine, called: Value, arguments: Arguments) -> Valu
             return dispatch(machine, method, arguments)
     for value in (*arguments.values, *arguments.keywords.values()):
         machine.escape(value)
-    note_handed(machine, called_name(called), arguments)
-    if not called_name(called).isupper():
-        _may_write(machine, called_name(called).rpartition("::")[2], arguments)
-    return Hole(f"{called_name(called)}()")
+    name = called_name(called)
+    note_handed(machine, name, arguments)
+    if not name.isupper():
+        _may_write(machine, name.rpartition("::")[2], arguments)
+    return Hole(f"{name}()")
 
 
 def note_handed(machine: Machine, name: str, arguments: Arguments) -> None:
@@ -140,8 +141,8 @@ def _arguments(machine: Machine, node: Call, frame: Frame) -> Arguments:
     by_reference = machine.world.by_reference
     return Arguments(
         values=tuple(values),
-        keywords=_keywords(machine, node, frame),
-        places=tuple(_place(machine, a, frame) for a in node.args) if by_reference else (),
+        keywords=_keywords(machine, node, frame) if node.keywords else {},
+        places=tuple([_place(machine, a, frame) for a in node.args]) if by_reference else (),
         types=_types(node.function),
         line=node.line,
         frame=frame,
@@ -150,6 +151,8 @@ def _arguments(machine: Machine, node: Call, frame: Frame) -> Arguments:
 
 def _place(machine: Machine, node: Expr, frame: Frame) -> Place | None:
     """Return where an argument is kept; `s.begin()` and `&s[0]` lead to s."""
+    if isinstance(node, Name):
+        return machine.world.place(node.id, frame)
     if isinstance(node, Call) and isinstance(node.function, Attr):
         inner = node.function.owner if node.function.name in {"begin", "end"} else None
         return place_of(machine, inner, frame) if inner is not None else None

@@ -55,7 +55,8 @@ class CppCalls(CppTypes):
                 frame.aliases[param.name] = place
             elif not param.reference and param.kind == "plain":
                 value = frame.variables[param.name]
-                frame.variables[param.name] = self._by_value(value, param, frame)
+                if isinstance(value, (Instance, ListValue, MapValue)):
+                    frame.variables[param.name] = self._by_value(value, param, frame)
         return frame
 
     def _by_value(self, value: Value, param: Param, frame: Frame) -> Value:

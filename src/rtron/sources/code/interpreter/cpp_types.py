@@ -109,12 +109,12 @@ class CppTypes:
 
     def resolved(self, type: TypeRef, frame: Frame) -> TypeRef:
         """Return a type with template parameters and typedefs followed."""
-        type = frame.types.get(type.name, type)
-        head, _, rest = type.name.partition("::")
-        if rest and head in frame.types:
-            type = TypeRef(f"{frame.types[head].name}::{rest}", type.args)
+        if frame.types:
+            type = _with_parameters(type, frame.types)
         found = self.symbols.type(type, frame.scope)
-        return TypeRef(found.name, tuple(self.resolved(arg, frame) for arg in found.args))
+        if not found.args:
+            return found
+        return TypeRef(found.name, tuple([self.resolved(arg, frame) for arg in found.args]))
 
     def written_args(self, type: TypeRef, frame: Frame) -> tuple[TypeRef, ...]:
         """Return the template arguments of a type, classes by the names they have everywhere."""
@@ -261,10 +261,21 @@ def bound_overloads(
     return FunctionValue(functions[0], owner=owner, cls=cls, overloads=functions)
 
 
+def _with_parameters(type: TypeRef, meant: Mapping[str, TypeRef]) -> TypeRef:
+    """Return a type with the template parameter that it is, or begins with, replaced."""
+    type = meant.get(type.name, type)
+    head, _, rest = type.name.partition("::")
+    if rest and head in meant:
+        return TypeRef(f"{meant[head].name}::{rest}", type.args)
+    return type
+
+
 def template_types(
     definition: Function | Class, written: tuple[TypeRef, ...]
 ) -> dict[str, TypeRef]:
     """Return what template parameters mean: what is written, else their defaults."""
+    if not definition.template and not definition.defaults:
+        return {}
     return {**dict(definition.defaults), **dict(zip(definition.template, written, strict=False))}
 
 

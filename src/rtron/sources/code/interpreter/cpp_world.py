@@ -202,8 +202,11 @@ class CppWorld(CppObjects):
         return (*self.symbols.candidates(name, frame.scope), *aliased)
 
     def _among(self, candidates: tuple[str, ...], name: Name) -> Value | None:
-        found = (self._global(candidate, name) for candidate in candidates)
-        return next((value for value in found if value is not None), None)
+        for candidate in candidates:
+            found = self._global(candidate, name)
+            if found is not None:
+                return found
+        return None
 
     def _is_global(self, name: str) -> bool:
         symbols = self.symbols

@@ -15,6 +15,7 @@ from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.operations import binary, unary
 from rtron.sources.code.interpreter.values import (
     OPEN,
+    Choice,
     FunctionValue,
     Hole,
     Instance,
@@ -23,7 +24,6 @@ from rtron.sources.code.interpreter.values import (
     MapValue,
     Value,
     concat,
-    each,
     join,
     options,
     truth,
@@ -58,12 +58,14 @@ def _name(machine: Machine, node: Name, frame: Frame) -> Value:
 
 def _attr(machine: Machine, node: Attr, frame: Frame) -> Value:
     owner = machine.evaluate(node.owner, frame)
+    if isinstance(owner, Choice):
+        return join([_member(machine, option, node) for option in owner.options])
+    return _member(machine, owner, node)
 
-    def member(option: Value) -> Value:
-        found = machine.world.attribute(option, node.name, node.types)
-        return Hole(node.name) if found is None else found
 
-    return each(owner, member)
+def _member(machine: Machine, owner: Value, node: Attr) -> Value:
+    found = machine.world.attribute(owner, node.name, node.types)
+    return Hole(node.name) if found is None else found
 
 
 def _index(machine: Machine, node: Index, frame: Frame) -> Value:

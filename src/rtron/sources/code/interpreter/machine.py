@@ -103,13 +103,17 @@ class Machine:
 
     def evaluate(self, node: Expr, frame: Frame) -> Value:
         """Return the value of an expression."""
-        self._count()
+        self._steps += 1
+        if self._steps > self._limit:
+            raise StepsExceededError
         return self.evaluators[type(node)](self, node, frame)
 
     def execute(self, block: tuple[Stmt, ...], frame: Frame) -> Outcome:
         """Run statements until one ends the block."""
         for statement in block:
-            self._count()
+            self._steps += 1
+            if self._steps > self._limit:
+                raise StepsExceededError
             outcome = self.executors[type(statement)](self, statement, frame)
             if outcome is not None:
                 return outcome
@@ -202,7 +206,7 @@ class Machine:
     def hand_on(self, arguments: Arguments) -> None:
         """Remember the functions that a call passes, in case that nothing seen calls them."""
         if self.recorder.site.ros > 1 and len(self.handed) < MAX_HANDED:
-            given = (value for value in arguments.values if isinstance(value, FunctionValue))
+            given = [value for value in arguments.values if isinstance(value, FunctionValue)]
             self.handed.extend(value for value in given if value not in self.handed)
 
     @contextmanager
@@ -242,13 +246,8 @@ class Machine:
             )
 
     def _may_enter(self, function: Function) -> bool:
-        same = sum(1 for active in self._stack if active is function)
-        return len(self._stack) < MAX_CALLS and same < MAX_SAME
-
-    def _count(self) -> None:
-        self._steps += 1
-        if self._steps > self._limit:
-            raise StepsExceededError
+        same = [active for active in self._stack if active is function]
+        return len(self._stack) < MAX_CALLS and len(same) < MAX_SAME
 
 
 def _same_call(value: FunctionValue, other: FunctionValue) -> bool:

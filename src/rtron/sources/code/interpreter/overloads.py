@@ -20,19 +20,28 @@ _TEXTS = {"std::string", "string", "char", "QString"}
 
 def choose(functions: tuple[Function, ...], arguments: Arguments) -> Function:
     """Return the function that fits a call best: by the number of arguments, then their types."""
-    return max(functions, key=lambda function: _score(function, arguments))
-
-
-def _score(function: Function, arguments: Arguments) -> tuple[bool, bool, int]:
     count = len(arguments.values)
+    ranks = [(_takes(function, count), function.body is not None) for function in functions]
+    best = max(ranks)
+    fitting = [function for function, rank in zip(functions, ranks, strict=True) if rank == best]
+    if len(fitting) == 1:
+        return fitting[0]
+    return max(fitting, key=lambda function: _score(function, arguments))
+
+
+def _takes(function: Function, count: int) -> bool:
+    """Tell whether a function can be called with so many arguments."""
     most = len(function.params)
-    least = sum(1 for param in function.params if param.default is None and param.kind == "plain")
-    varied = any(param.kind != "plain" for param in function.params)
-    fits = least <= count and (count <= most or varied)
+    least = [param for param in function.params if param.default is None and param.kind == "plain"]
+    return len(least) <= count and (
+        count <= most or any(param.kind != "plain" for param in function.params)
+    )
+
+
+def _score(function: Function, arguments: Arguments) -> int:
     pairs = zip(function.params, arguments.values, strict=False)
     given = dict(zip(function.template, arguments.types, strict=False))
-    matches = sum(_match(param, value, function, given) for param, value in pairs)
-    return fits, function.body is not None, matches
+    return sum([_match(param, value, function, given) for param, value in pairs])
 
 
 def _match(param: Param, value: Value, function: Function, given: Mapping[str, TypeRef]) -> int:
