@@ -27,7 +27,8 @@ class Texts:
     def naming(self, sources: Iterable[Path], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""
         plain = word.encode("utf-8", "surrogateescape")
-        wanted = re.compile(rb"\b%b\b" % re.escape(plain))
+        letters = re.escape(plain)
+        wanted = re.compile(rb"%b(?<=\b%b)\b" % (letters, letters))  # letters first: found faster
         texts = ((path, self._text(path)) for path in sources)
         return tuple(path for path, text in texts if plain in text and wanted.search(text))
 

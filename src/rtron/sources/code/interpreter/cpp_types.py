@@ -1,6 +1,6 @@
 """C++'s types and classes: what a name of a type means, and the methods of a class."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -54,12 +54,17 @@ class CppTypes:
     files: Files
     symbols: Symbols
     native_classes: Mapping[str, NativeClass]
+    _class_ends: frozenset[str] = field(default=frozenset(), init=False)
     _classes: dict[str, ClassValue] = field(default_factory=dict)
     _found: dict[tuple[str, str], ClassValue | NativeClass | None] = field(default_factory=dict)
     _found_at: int = -1
     _overloads: dict[str, tuple[int, tuple[Function, ...]]] = field(default_factory=dict)
     _methods: dict[tuple[str, str], _Scanned | _Native | None] = field(default_factory=dict)
     _methods_at: int = -1
+
+    def __post_init__(self) -> None:
+        """Note how the names of native classes end: most types are none of them."""
+        self._class_ends = ends_of(self.native_classes)
 
     def size(self) -> int:
         """Return a number that changes when the program's functions do."""
@@ -101,10 +106,12 @@ class CppTypes:
         definition = self.symbols.class_named(resolved.name, frame.scope)
         if definition is not None:
             return self._class(definition)
-        for candidate in self.symbols.candidates(resolved.name, frame.scope):
-            if candidate in self.native_classes:
-                return self.native_classes[candidate]
-        is_pointer = resolved.name.rpartition("::")[2] in POINTERS
+        plain = resolved.name.rpartition("::")[2]
+        if plain in self._class_ends:
+            for candidate in self.symbols.candidates(resolved.name, frame.scope):
+                if candidate in self.native_classes:
+                    return self.native_classes[candidate]
+        is_pointer = plain in POINTERS
         return self.native_classes["std::shared_ptr"] if is_pointer else None
 
     def resolved(self, type: TypeRef, frame: Frame) -> TypeRef:
@@ -252,6 +259,11 @@ class CppTypes:
             functions = self.symbols.functions.get(name, [])
             defined = [function for function in functions if function.body is not None]
         return tuple(_with_defaults(defined, functions) if defined else functions)
+
+
+def ends_of(names: Iterable[str]) -> frozenset[str]:
+    """Return the last parts of qualified names."""
+    return frozenset(name.rpartition("::")[2] for name in names)
 
 
 def bound_overloads(

@@ -7,7 +7,7 @@ from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.assignment import place_of
 from rtron.sources.code.interpreter.cpp_calls import container_copied
 from rtron.sources.code.interpreter.cpp_objects import CppObjects
-from rtron.sources.code.interpreter.cpp_types import bound_overloads
+from rtron.sources.code.interpreter.cpp_types import bound_overloads, ends_of
 from rtron.sources.code.interpreter.frame import Frame, Place
 from rtron.sources.code.interpreter.iterators import begin, end, item_at
 from rtron.sources.code.interpreter.machine import Machine
@@ -48,11 +48,17 @@ class CppWorld(CppObjects):
 
     functions: Mapping[str, Native]
     constants: Mapping[str, Value] = field(default_factory=lambda: CONSTANTS)
+    _function_ends: frozenset[str] = field(default=frozenset(), init=False)
     _globals: dict[str, Value] = field(default_factory=dict)
     _known: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
     _known_at: int = -1
 
     by_reference = True
+
+    def __post_init__(self) -> None:
+        """Note how the names of native functions end: most names are none of them."""
+        CppObjects.__post_init__(self)
+        self._function_ends = ends_of(self.functions)
 
     def lookup(self, name: Name, frame: Frame) -> Value:
         """Return what a name means: local, member, of a namespace around, or of a library."""
@@ -192,7 +198,7 @@ class CppWorld(CppObjects):
             self._known_at = self.symbols.version
             self._known.clear()
         if key not in self._known:
-            candidates = self._candidates(name.id, frame)
+            candidates = self._candidates(name.id, frame) if self._may_be_global(name.id) else ()
             self._known[key] = tuple(c for c in candidates if self._is_global(c))
         return self._among(self._known[key], name)
 
@@ -207,6 +213,10 @@ class CppWorld(CppObjects):
             if found is not None:
                 return found
         return None
+
+    def _may_be_global(self, name: str) -> bool:
+        """Tell whether anything that a name may mean can be a global: its last part stays."""
+        return self.symbols.is_end(name) or name.rpartition("::")[2] in self._function_ends
 
     def _is_global(self, name: str) -> bool:
         symbols = self.symbols

@@ -7,7 +7,7 @@ called by a library nobody sees (callbacks, threads, virtual methods) runs after
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from rtron.sources.code.interpreter.arguments import Arguments
@@ -122,7 +122,7 @@ class Machine:
     def call(self, called: FunctionValue, arguments: Arguments) -> Value:
         """Call a scanned function; recursion that does not end is a hole."""
         if len(called.overloads) > 1:
-            called = replace(called, function=choose(called.overloads, arguments), overloads=())
+            called = called.chosen(choose(called.overloads, arguments))
         function = called.function
         if function.body is None or not self._may_enter(function):
             self._note_left(function, arguments)

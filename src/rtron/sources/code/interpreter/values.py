@@ -124,6 +124,18 @@ class FunctionValue:
     overloads: tuple[Function, ...] = ()
     named: Mapping[str, "Value"] = field(default_factory=dict)
 
+    def chosen(self, function: Function) -> "FunctionValue":
+        """Return the same call of one of its overloads."""
+        return FunctionValue(
+            function,
+            closure=self.closure,
+            owner=self.owner,
+            given=self.given,
+            cls=self.cls,
+            types=self.types,
+            named=self.named,
+        )
+
 
 @record(frozen=True, slots=True)
 class Placeholder:
