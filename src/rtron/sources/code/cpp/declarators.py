@@ -98,6 +98,8 @@ def kinds_of(node: Node) -> set[str]:
 
 def has_word(context: Context, node: Node, kind: str, word: bytes) -> bool:
     """Return whether a word of a kind (`type_qualifier`: `const`) stands in a declaration."""
+    if context.source.find(word, node.start_byte, node.end_byte) < 0:
+        return False
     return any(
         child.type == kind and context.source[child.start_byte : child.end_byte] == word
         for child in node.named_children

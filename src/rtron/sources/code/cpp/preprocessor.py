@@ -28,6 +28,7 @@ _DIRECTIVE = re.compile(r"\s*#\s*(\w*)\s*(.*)", re.DOTALL)
 _DEFINE = re.compile(r"(\w+)(?:\(([^()]*)\))?\s*(.*)", re.DOTALL)
 _SPLICED = re.compile(r"^(?:.*\\\n)+.*", re.MULTILINE)
 _QT = re.compile(r"\bQ_OBJECT\b|<Q[A-Z]\w+>|\bemit \w")
+_MAY_BE_QT = ("Q_OBJECT", "<Q", "emit ")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,13 +47,17 @@ def preprocess(text: str, defined: Mapping[str, str]) -> Preprocessed:
     What cannot be read, an `#if` or an `#endif` without its `#if`, is among the problems.
     """
     reader = _Reader(Macros())
-    reader.macros.defined.update(_predefined(qt=bool(_QT.search(text))))
+    reader.macros.defined.update(_predefined(qt=_is_qt(text)))
     known = {name: Macro(body) for name, body in defined.items()}
     reader.macros.defined.update(known)
     before = dict(reader.macros.defined)
     code = reader.read(text)
     macros = {k: v for k, v in reader.macros.defined.items() if before.get(k) is not v}
     return Preprocessed(code, tuple(reader.includes), macros, tuple(reader.problems))
+
+
+def _is_qt(text: str) -> bool:
+    return any(word in text for word in _MAY_BE_QT) and _QT.search(text) is not None
 
 
 @cache

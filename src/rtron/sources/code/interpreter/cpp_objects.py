@@ -266,8 +266,8 @@ class CppObjects(CppCalls):
         return Frame(file=cls.definition.file, scope=cls.name, this=made, cls=cls, types=types)
 
     def _arguments(self, node: New, frame: Frame) -> Arguments:
-        values = tuple(item_at(self.machine.evaluate(arg, frame)) for arg in node.args)
-        places = tuple(place_of(self.machine, arg, frame) for arg in node.args)
+        values = tuple([item_at(self.machine.evaluate(arg, frame)) for arg in node.args])
+        places = tuple([place_of(self.machine, arg, frame) for arg in node.args])
         return Arguments(values=values, places=places, line=node.line, frame=frame)
 
 

@@ -49,6 +49,8 @@ _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
 
 def binary(name: str, left: Value, right: Value) -> Value:
     """Return `left name right` over every option of both."""
+    if not isinstance(left, Choice) and not isinstance(right, Choice):
+        return _binary(name, left, right)
     pairs = [(one, other) for one in options(left) for other in options(right)]
     return join([_binary(name, *pair) for pair in pairs[: 2 * 24]])
 

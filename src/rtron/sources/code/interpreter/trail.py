@@ -76,7 +76,9 @@ class Trail:
         writes: Writes = {}
         while len(self._log) > mark:
             place, key, old = self._log.pop()
-            writes.setdefault((id(place), key), (place, key, place.get(key, MISSING)))
+            at = id(place), key
+            if at not in writes:
+                writes[at] = (place, key, place.get(key, MISSING))
             if old is MISSING:
                 place.pop(key, None)
             else:
