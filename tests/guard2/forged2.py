@@ -22,6 +22,7 @@ from ctypes import (
 )
 from functools import partial
 
+from harness import wait_for
 from rmw_dds_common.msg import ParticipantEntitiesInfo
 
 from rtron.wire.ros2.endpoints import PARTICIPANT, publishers_of
@@ -111,17 +112,22 @@ class Forger:
         assert made, topic
         return made
 
-    def calls_itself(self, name, topic):
-        """Return what tells the domain that the publisher of `topic` here is of node `name`.
+    def calls(self, node, name, topic):
+        """Return what tells the domain that a node's publisher of `topic` is of node `name`.
 
         ROS tells the truth now and then: it has to be said again.
         """
-        own = next(each for each in publishers_of(self._node, topic) if each.node)
-        gid = own.gid[:PARTICIPANT] + _OF_PARTICIPANT
-        node = _string(b"/") + _string(name) + struct.pack("<II", 0, 1) + own.gid
+        end = wait_for(partial(self._publisher_of, node, topic), what=f"the publisher of {node}")
+        gid = end.gid[:PARTICIPANT] + _OF_PARTICIPANT
+        node = _string(b"/") + _string(name) + struct.pack("<II", 0, 1) + end.gid
         message = _FRONT + gid + struct.pack("<I", 1) + node
         publisher = self.publisher(ParticipantEntitiesInfo, b"ros_discovery_info")
         return partial(self._publish, publisher, message)
+
+    def _publisher_of(self, node, topic):
+        """Return a node's publisher, None while the domain has not told it."""
+        found = publishers_of(self._node, topic)
+        return next((each for each in found if each.node == node), None)
 
     def _publish(self, publisher, message):
         out = _Serialized(buffer=message, length=len(message), capacity=len(message))
