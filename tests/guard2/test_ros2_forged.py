@@ -53,6 +53,17 @@ def test_names_that_cannot_be_read_do_not_blind_the_guard(guard, stand):
     app.say_until(late, twist(0.75), lambda: twist(0.75) in driver, "who has come after it")
 
 
+def test_a_publisher_is_heard_whatever_a_stranger_calls_it(guard, stand):
+    app, stranger = stand(), stand()
+    driver = app.listener("/driver", OUT)
+    nav = app.publisher("/nav", NAV)
+    app.say_until(nav, twist(0.5), lambda: driver, "the navigation")
+    lie = Forger(stranger.node("/evil")).calls("/nav", b"other", NAV)
+    app.wait_for(lambda: lie() or "foreign publisher: /other of the" in guard.log, "the event")
+    app.say_until(nav, twist(0.125), lambda: twist(0.125) in driver, "the navigation after it")
+    assert "unapproved publisher" not in guard.log
+
+
 def test_a_publisher_of_another_version_of_the_type_is_refused(guard, stand):
     app, elsewhere = stand(), stand()
     driver = app.listener("/driver", OUT)

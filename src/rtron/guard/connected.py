@@ -10,7 +10,7 @@ from rtron.guard.derived import with_unapproved, written_for
 from rtron.guard.ends import Ends
 from rtron.guard.latched import Latched
 from rtron.guard.senses import Senses
-from rtron.guard.transport.transport import Peer, Receive, Transport, TypeInfo
+from rtron.guard.transport.transport import Connect, Peer, Receive, Transport, TypeInfo
 from rtron.guard.types import codec_of, standard_info
 from rtron.guard.will import Will
 from rtron.messages.velocity import VelocityCodec
@@ -79,17 +79,27 @@ class Connected(ABC):
             self._ends.open()
             for flow in self.stream.flows:
                 topic = flow_topic(self.stream.topic, flow.name)
-                self._subscribe(topic, partial(self._connect_flow, flow), self.stream.type)
-        self._subscribe(self.stream.topic, self._connect_public, self.stream.type)
+                self._subscribe(topic, partial(self._connect_flow, flow), (flow.publisher,))
+        self._subscribe(self.stream.topic, self._connect_public)
         self._open_done()
 
     def _open_done(self) -> None:
         if self.stream.done:
-            self._transport.subscribe(self.nodes[0], self.stream.done, "", self._connect_done)
+            self._hear_successors(self.stream.done, "", self._connect_done)
 
-    def _subscribe(self, topic: str, connect: Callable[[Peer], Receive | None], type: str) -> None:
-        node = self.nodes[0]
-        self._transport.subscribe(node, topic, type, connect, momentary=self._is_momentary)
+    def _hear_successors(self, topic: str, type: str, connect: Connect) -> None:
+        awaited = self.stream.successors
+        self._transport.subscribe(self.nodes[0], topic, type, connect, publishers=awaited)
+
+    def _subscribe(self, topic: str, connect: Connect, publishers: tuple[str, ...] = ()) -> None:
+        self._transport.subscribe(
+            self.nodes[0],
+            topic,
+            self.stream.type,
+            connect,
+            momentary=self._is_momentary,
+            publishers=publishers,
+        )
 
     def _connect_flow(self, flow: Flow, peer: Peer) -> Receive | None:
         if not (peer.verified and names_node(flow.publisher, peer.node)):

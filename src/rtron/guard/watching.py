@@ -58,7 +58,8 @@ class Watching:
         node = f"{PRIVATE_ROOT}/{self._senses.node}"
         connect, lost = partial(self._connect_event, source), partial(self._event_lost, source)
         for topic in self._ways.of(source.topic, source.publisher):
-            self._transport.subscribe(node, topic, source.type, connect, lost)
+            awaited = (source.publisher,)
+            self._transport.subscribe(node, topic, source.type, connect, lost, publishers=awaited)
 
     def _open_monitor(self, plan: FpsMonitor) -> None:
         monitor = self._senses.rates.monitors[plan.id]
@@ -70,7 +71,8 @@ class Watching:
     def _open_frames(self, plan: FpsMonitor, flow: WatchedFlow, note: Note) -> None:
         connect = partial(self._connect_frames, flow, note)
         for topic in self._ways.of(flow.topic, flow.publisher):
-            self._transport.subscribe(f"{PRIVATE_ROOT}/{plan.id}", topic, "", connect)
+            node, awaited = f"{PRIVATE_ROOT}/{plan.id}", (flow.publisher,)
+            self._transport.subscribe(node, topic, "", connect, publishers=awaited)
 
     def _connect_event(self, source: EventSource, peer: Peer) -> Receive | None:
         if not _is(source.publisher, peer, source.topic):

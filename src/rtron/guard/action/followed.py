@@ -92,7 +92,7 @@ class FollowedStream(GuardedStream):
     def _open_action(self) -> None:
         """Hear of goals from an action that has no guard."""
         status = part_topic(self.action, ActionPart.STATUS)
-        self._transport.subscribe(self.nodes[0], status, _STATUS, self._connect_status)
+        self._hear_successors(status, _STATUS, self._connect_status)
         topic = part_topic(self.action, ActionPart.CANCEL)
         info = standard_info(_CANCEL, self._transport.encoding)
         self._cancels = self._transport.advertise(self.nodes[0], topic, _CANCEL)

@@ -84,9 +84,10 @@ class MemoryTransport:
         lost: Lost = ignore,
         *,
         momentary: Momentary = never,
+        publishers: tuple[str, ...] = (),
     ) -> None:
         """Subscribe `topic`; outside publishers that come later are offered to `connect`."""
-        del node, type, momentary
+        del node, type, momentary, publishers
         self._connects[topic].append((connect, lost))
 
     def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:

@@ -127,11 +127,13 @@ class Transport(Protocol):
         lost: Lost = ignore,
         *,
         momentary: Momentary = never,
+        publishers: tuple[str, ...] = (),
     ) -> None:
         """Subscribe `topic` as `node`; never hears what this transport publishes.
 
         Where the middleware tells messages' age (ROS 2), what is `momentary` is heard only if it
-        comes in time; what its publisher has kept, always.
+        comes in time; what its publisher has kept, always. Where anybody can tell another name of
+        a publisher (ROS 2), who has been known by one of the `publishers` that is its own keeps it.
         """
         ...
 

@@ -36,7 +36,7 @@ class FollowedRequests(FollowedStream):
 
     def _open_action(self) -> None:
         status = end_name(self.action, ActionEnd.STATUS)
-        self._transport.subscribe(self.nodes[0], status, STATUS, self._connect_status)
+        self._hear_successors(status, STATUS, self._connect_status)
         transport = self._transport
         if self.stream.mode is Mode.ENFORCE and isinstance(transport, CarriesCancels):
             self._ask_to_cancel = transport.canceller(self.nodes[0], self.action)

@@ -84,9 +84,10 @@ class Ros1Transport:
         lost: Lost = ignore,
         *,
         momentary: Momentary = never,
+        publishers: tuple[str, ...] = (),
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`. ROS 1 tells no message's age."""
-        del momentary
+        del momentary, publishers
         wish = Wish(node, topic, type, self._master)
         link = start(self._loop, self._own_workers(topic), wish, connect, lost)
         self._subscribe(node, Subscription(topic, type, link))

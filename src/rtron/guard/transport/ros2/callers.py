@@ -1,6 +1,8 @@
 """Whose a request is: a node of the participant that sent it, as the graph tells.
 
 A client of an action also subscribes its topics (rcl_action), so the graph names its node there.
+Once that is an approved name of its own there, it stays: no endpoint changes its node, and anybody
+can tell the domain another name for it.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from rtron.vocabulary import SECOND, TOLD, end_name, names_node
 from rtron.wire.ros2.endpoints import PARTICIPANT
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from rtron.guard.transport.ros2.surroundings import Surroundings
     from rtron.wire.ros2.endpoints import Ros2Endpoint
@@ -36,6 +38,7 @@ class Callers:
         self._loop = shared.loop
         self._owners = shared.owners
         self._unnamed: deque[tuple[int, bytes, Take]] = deque()
+        self._approved: dict[bytes, str] = {}
         for topic in self._topics:
             self._graph.watch(topic)
         self._graph.changed.append(self.update)
@@ -62,6 +65,7 @@ class Callers:
 
     def update(self) -> None:
         """Take what the graph says: name who has waited for it, or waited for too long."""
+        self._approved = {end.gid: node for end, node in self._named() if self._may_keep(end, node)}
         now, waiting = self._loop.now(), list(self._unnamed)
         self._unnamed.clear()
         for since, participant, take in waiting:
@@ -73,8 +77,16 @@ class Callers:
 
     def _nodes(self, participant: bytes) -> list[str]:
         """Return the nodes of a participant that are clients here."""
-        ends = (self._graph.ends(topic).subscribers for topic in self._topics)
-        return [e.node for each in ends for e in each if _is_of(e, participant)]
+        return [node for end, node in self._named() if node and end.participant == participant]
+
+    def _named(self) -> Iterator[tuple[Ros2Endpoint, str]]:
+        """Yield the ends of clients here, each with its node."""
+        for topic in self._topics:
+            for end in self._graph.ends(topic).subscribers:
+                yield end, self._approved.get(end.gid, end.node)
+
+    def _may_keep(self, end: Ros2Endpoint, node: str) -> bool:
+        return names_node(self._publisher, node) and self._owners.has(node, end.participant)
 
     def _peer(self, participant: bytes) -> Peer | None:
         """Return the sender, None while it may turn out to be approved.
@@ -96,7 +108,3 @@ class Callers:
         nodes = self._nodes(participant)
         name = next(iter(nodes), f"participant {participant.hex()}")
         return Peer(name, self._info, verified=False)
-
-
-def _is_of(endpoint: Ros2Endpoint, participant: bytes) -> bool:
-    return bool(endpoint.node) and endpoint.participant == participant

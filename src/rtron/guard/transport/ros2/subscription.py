@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 from rtron.errors import SourceError, WireError
 from rtron.guard.seldom import Seldom
 from rtron.guard.transport.ros2.reader import Reader
-from rtron.guard.transport.transport import Peer, TypeInfo, never
+from rtron.guard.transport.transport import Peer, TypeInfo
 from rtron.messages.definition_text import parse_definition
 from rtron.messages.whole import whole
-from rtron.vocabulary import SECOND, Durability, QoS, Reliability, normalise_type
+from rtron.vocabulary import SECOND, Durability, QoS, Reliability, names_node, normalise_type
 from rtron.wire.ros2.endpoints import PARTICIPANT
 from rtron.wire.ros2.interfaces import Interface, interface
 
@@ -48,6 +48,16 @@ _MOST_WAITING = 1 << 24
 _Kind = tuple[type, Reliability, Durability]
 
 
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """Whom to hear, and how; see `Transport.subscribe`."""
+
+    connect: Connect
+    lost: Lost
+    momentary: Momentary
+    publishers: tuple[str, ...]
+
+
 @dataclass(slots=True)
 class _Sender:
     """A publisher that was offered, and what takes its messages, None if it was refused."""
@@ -68,23 +78,13 @@ class Subscription:
     """Hands each publisher's messages to what `connect` gave for it, and tells who has left."""
 
     def __init__(
-        self,
-        node: Node,
-        topic: str,
-        type: str,
-        connect: Connect,
-        lost: Lost,
-        shared: Surroundings,
-        *,
-        momentary: Momentary = never,
+        self, node: Node, topic: str, type: str, terms: Terms, shared: Surroundings
     ) -> None:
-        """Hear publishers of one type, "" for any; what is `momentary`, only in time."""
+        """Hear publishers of one type, "" for any."""
         self.topic = topic
         self._type = normalise_type(type)
         self._node = node
-        self._connect = connect
-        self._lost = lost
-        self._momentary = momentary
+        self._terms = terms
         self._shared = shared
         self._senders: dict[bytes, _Sender] = {}
         self._readers: dict[_Kind, Reader] = {}
@@ -127,13 +127,27 @@ class Subscription:
         self._senders[endpoint.gid] = self._offered(endpoint, peer)
 
     def _peer(self, endpoint: Ros2Endpoint) -> Peer:
+        node = self._name(endpoint)
         return Peer(
-            node=endpoint.node,
+            node=node,
             info=_info_of(endpoint),
             latching=endpoint.qos.durability is Durability.TRANSIENT_LOCAL,
-            verified=self._shared.owners.has(endpoint.node, endpoint.participant),
+            verified=self._shared.owners.has(node, endpoint.participant),
             qos=endpoint.qos,
         )
+
+    def _name(self, endpoint: Ros2Endpoint) -> str:
+        """Return a publisher's node; one of those that are awaited keeps a name that is its own.
+
+        No endpoint changes its node, and anybody can tell the domain another name for it.
+        """
+        known = self._senders.get(endpoint.gid)
+        if known and known.peer.verified and self._awaits(known.peer.node):
+            return known.peer.node
+        return endpoint.node
+
+    def _awaits(self, node: str) -> bool:
+        return any(names_node(each, node) for each in self._terms.publishers)
 
     def _offered(self, endpoint: Ros2Endpoint, peer: Peer) -> _Sender:
         now = self._shared.loop.now()
@@ -141,7 +155,7 @@ class Subscription:
         if found is None:
             self._complain(peer, why)
             return _Sender(peer, None, now)
-        receive = self._connect(peer)
+        receive = self._terms.connect(peer)
         if receive is None:
             return _Sender(peer, None, now)
         reader = self._reader(found, endpoint.qos, peer)
@@ -159,7 +173,7 @@ class Subscription:
         return found, ""
 
     def _reader(self, found: Interface, qos: QoS, peer: Peer) -> Reader | None:
-        momentary = self._momentary(peer)
+        momentary = self._terms.momentary(peer)
         kind = (found.cls, qos.reliability, qos.durability)
         if kind not in self._readers:
             if len(self._readers) == _MOST_READERS:
@@ -221,7 +235,7 @@ class Subscription:
     def _leave(self, gid: bytes) -> None:
         sender = self._senders.pop(gid)
         if sender.receive is not None:
-            self._lost(sender.peer)
+            self._terms.lost(sender.peer)
 
     def _complain(self, peer: Peer, why: str) -> None:
         """Tell what is not heard of a publisher, at most once a second of each."""

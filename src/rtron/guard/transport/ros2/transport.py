@@ -14,7 +14,7 @@ from rtron.guard.transport.ros2.owners import Owners
 from rtron.guard.transport.ros2.processes import Processes
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl
-from rtron.guard.transport.ros2.subscription import Subscription
+from rtron.guard.transport.ros2.subscription import Subscription, Terms
 from rtron.guard.transport.ros2.surroundings import Surroundings
 from rtron.guard.transport.transport import Connect, Lost, Momentary, Output, ignore, never
 from rtron.messages.encoding import Encoding
@@ -80,10 +80,12 @@ class Ros2Transport:
         lost: Lost = ignore,
         *,
         momentary: Momentary = never,
+        publishers: tuple[str, ...] = (),
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         own = self.session.node(node)
-        made = Subscription(own, topic, type, connect, lost, self._shared, momentary=momentary)
+        terms = Terms(connect, lost, momentary, publishers)
+        made = Subscription(own, topic, type, terms, self._shared)
         self._subscriptions.append(made)
 
     def action_ends(self, stream: Stream, node: str, hears: Hears) -> ActionEnds:
