@@ -9,6 +9,7 @@ from rtron.guard.transport.ros2.callers import Callers
 from rtron.guard.transport.ros2.owners import Owners
 from rtron.guard.transport.transport import TypeInfo
 
+pytestmark = pytest.mark.ros2
 ONE, GIDS = b"participant1", (b"participant1:001", b"participant1:002")
 PLACE = ONE + bytes(12)
 
