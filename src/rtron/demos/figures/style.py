@@ -92,8 +92,9 @@ def legend_below(figure: "Figure", axes: "Axes", columns: int) -> None:
 
 def shade_attack(axes: "Axes", *runs: Run) -> None:
     """Shade the time in which malicious messages were sent, in any of the runs."""
-    spans = [run.attack_span for run in runs if run.attack_span]
+    spans = [(*run.attack_span, run.ended) for run in runs if run.attack_span]
     if spans:
-        began, ended = min(first for first, _ in spans), max(last for _, last in spans)
+        began = min(first for first, _, _ in spans)
+        ended = max(min(last, over) for _, last, over in spans)
         style: Style = {"color": ATTACK, "alpha": 0.55, "linewidth": 0, "zorder": 0}
         axes.axvspan(began, ended, label="attack", **style)
