@@ -6,10 +6,10 @@ import sys
 import pytest
 
 from rtron import __version__
-from rtron.cli.main import COMMANDS
+from rtron.cli.commands import COMMANDS, found
 from rtron.sources.graph_json import GraphFile
 
-EVERY = [command for commands in COMMANDS.values() for command in commands]
+EVERY = [found(name) for names in COMMANDS.values() for name in names]
 
 MODULE = (sys.executable, "-m", "rtron")
 

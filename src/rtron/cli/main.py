@@ -7,58 +7,18 @@ from typing import Annotated
 import typer
 
 from rtron import __version__
-from rtron.cli.check import check
-from rtron.cli.classify import classify
-from rtron.cli.demo import demo
-from rtron.cli.events import events
-from rtron.cli.explain import explain
-from rtron.cli.explain_class import explain_class
-from rtron.cli.functions import functions
-from rtron.cli.guard import guard
-from rtron.cli.instrument import instrument
-from rtron.cli.master import master
-from rtron.cli.mission import mission
-from rtron.cli.model import model
+from rtron.cli.commands import Commands
 from rtron.cli.outcome import BAD_INPUT, Outcome, complain, deliver
-from rtron.cli.override import override
-from rtron.cli.plan import plan
-from rtron.cli.replay import replay
-from rtron.cli.scan import scan
-from rtron.cli.schema import schema
-from rtron.cli.serve import serve
-from rtron.cli.settings import settings
-from rtron.cli.survey import survey
-from rtron.cli.token import token
-from rtron.cli.upload import upload
-from rtron.cli.user import user
-from rtron.cli.verify import verify
 from rtron.errors import RTronError
-
-COMMANDS = {
-    "From an app to a guarded app": (demo, scan, plan, check, instrument, replay, verify),
-    "On the robot": (guard, master, override),
-    "Security service": (serve, events, upload),
-    "Study": (classify, explain_class, survey),
-    "Reference": (explain, mission, schema),
-}
-GROUPS = {
-    "Security service": (settings, token, user),
-    "Study": (functions,),
-    "Reference": (model,),
-}
 
 app = typer.Typer(
     name="rtron",
+    cls=Commands,
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for panel, commands in COMMANDS.items():
-    for command in commands:
-        app.command(rich_help_panel=panel)(command)
-    for group in GROUPS.get(panel, ()):
-        app.add_typer(group, rich_help_panel=panel)
 
 
 def main() -> None:

@@ -1,0 +1,82 @@
+"""The commands of `rtron` by name: each is imported when it is asked for, not before.
+
+A guard on a robot starts in half the time when it does not read what reads launch files.
+"""
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command, get_group
+
+COMMANDS = {
+    "From an app to a guarded app": (
+        "demo",
+        "scan",
+        "plan",
+        "check",
+        "instrument",
+        "replay",
+        "verify",
+    ),
+    "On the robot": ("guard", "master", "override"),
+    "Security service": ("serve", "events", "upload"),
+    "Study": ("classify", "explain-class", "survey"),
+    "Reference": ("explain", "mission", "schema"),
+}
+GROUPS = {
+    "Security service": ("settings", "token", "user"),
+    "Study": ("functions",),
+    "Reference": ("model",),
+}
+_PANELS = {
+    name: panel for table in (COMMANDS, GROUPS) for panel, names in table.items() for name in names
+}
+
+
+def found(name: str) -> Any:  # noqa: ANN401 - a function with options of its own, or a group
+    """Return what the module of a command defines under the command's name."""
+    word = name.replace("-", "_")
+    return getattr(import_module(f"rtron.cli.{word}"), word)
+
+
+@cache
+def _command(name: str) -> TyperCommand | TyperGroup:
+    what = found(name)
+    made = get_group(what) if isinstance(what, typer.Typer) else _alone(what)
+    made.rich_help_panel = _PANELS[name]
+    return made
+
+
+def _alone(function: Any) -> Any:  # noqa: ANN401 - typer's types say less than it gives
+    app = typer.Typer(add_completion=False, rich_markup_mode="rich")
+    app.command()(function)
+    return get_command(app)
+
+
+class _Loading(Mapping[str, Any]):
+    """The commands: their names are known, and one is imported when it is taken."""
+
+    def __getitem__(self, name: str) -> TyperCommand | TyperGroup:
+        if name not in _PANELS:
+            raise KeyError(name)
+        return _command(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in _PANELS
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_PANELS)
+
+    def __len__(self) -> int:
+        return len(_PANELS)
+
+
+class Commands(TyperGroup):
+    """`rtron` with its commands, of which only those that are asked for are imported."""
+
+    def __init__(self, **options: Any) -> None:  # noqa: ANN401 - typer's own
+        super().__init__(**options | {"commands": _Loading()})
