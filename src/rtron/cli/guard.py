@@ -1,5 +1,6 @@
 """`rtron guard`."""
 
+from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -7,11 +8,11 @@ from typing import Annotated
 import typer
 
 from rtron.cli.assignments import assignments
-from rtron.cli.figures import Keeper
 from rtron.cli.linking import Authority, Robot, ServiceUrl, State, TokenFile, link_options
 from rtron.cli.options import DEFAULT_MASTER, Domain, Master, PlanOption
 from rtron.errors import InputError
 from rtron.planning.read import read_plan
+from rtron.vocabulary import Run
 from rtron.wire.domain import domain_id
 
 
@@ -79,21 +80,32 @@ def guard(  # noqa: PLR0913 - one for each option
     Exit code: 0 stopped, 2 bad plan.
     """
     from rtron.guard.supervision.start import supervise  # noqa: PLC0415 - no other needs a guard
-    from rtron.guard.transport.choosing import domain_address  # noqa: PLC0415
 
     assignments(appended or ())
     if figures and not dry_run:
         help = "add --dry-run: only what nobody interferes with is worth measuring"
         raise InputError("--figures without --dry-run", help=help)
-    keep = Keeper(figures.absolute()) if figures else None
+    keep = _keeper(figures) if figures else None
     read = read_plan(plan)
     linked = link_options(read.app, service, token_file, robot, state, ca) if service else None
     supervise(
         read,
-        master if read.ros == 1 else domain_address(domain_id(domain)),
+        master if read.ros == 1 else _in_domain(domain),
         log_level=log_level.value.upper(),
         dry_run=dry_run,
         control=control,
         figures=keep,
         link=linked,
     )
+
+
+def _keeper(path: Path) -> Callable[[Run], None]:
+    from rtron.cli.figures import Keeper  # noqa: PLC0415 - few guards keep figures
+
+    return Keeper(path.absolute())
+
+
+def _in_domain(domain: int | None) -> str:
+    from rtron.guard.transport.choosing import domain_address  # noqa: PLC0415 - for ROS 2 alone
+
+    return domain_address(domain_id(domain))

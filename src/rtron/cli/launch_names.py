@@ -3,21 +3,25 @@
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from rtron.errors import RTronError
-from rtron.sources.launch.listing import ListedLaunch, launch_files
+
+if TYPE_CHECKING:
+    from rtron.sources.launch.listing import ListedLaunch
 
 
-def launch_name(launch: ListedLaunch) -> str:
+def launch_name(launch: "ListedLaunch") -> str:
     """Return `package/file`, or the path of a file that lies in no package."""
     return f"{launch.package}/{launch.path.name}" if launch.package else str(launch.path)
 
 
-def named_launches(folders: Iterable[Path]) -> dict[str, ListedLaunch]:
+def named_launches(folders: Iterable[Path]) -> dict[str, "ListedLaunch"]:
     """Return the launch files by name; those of a package that share a name, by path."""
-    from rtron.sources.static.ros2_listing import ros2_launches  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.launch.listing import launch_files  # noqa: PLC0415 - the guard starts without
+    from rtron.sources.static.ros2_listing import ros2_launches  # noqa: PLC0415
 
     folders = list(folders)
     found = {each.path: each for each in (*launch_files(folders), *ros2_launches(folders))}

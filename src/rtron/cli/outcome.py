@@ -1,21 +1,27 @@
 """What a command has to say: printed here and nowhere else, with the exit code."""
 
+from __future__ import annotations
+
 import json
 import os
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
-from rich.console import Console
-from rich.markdown import Markdown
-from rich.text import Text
 
 from rtron.errors import InputError, RTronError
-from rtron.reports.lines import Report
 from rtron.reports.neutral import neutral
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    from rtron.reports.lines import Report
 
 OK, FOUND, BAD_INPUT = 0, 1, 2
 STDOUT = Path("-")
@@ -41,6 +47,8 @@ def deliver(outcome: Outcome, **_: object) -> None:
     if outcome.to == STDOUT:
         _print(outcome.shown)
     else:
+        from rich.console import Console  # noqa: PLC0415 - slow, and a guard shows nothing
+
         page = Console(file=StringIO(), width=_FILE_WIDTH, force_terminal=False, color_system=None)
         write_file(outcome.to, _rendered(outcome.shown, page))
     raise typer.Exit(outcome.exit_code)
@@ -72,6 +80,9 @@ def replace_file(path: Path, text: str) -> None:
 
 def complain(error: RTronError) -> None:
     """Say on standard error what is wrong and what to do about it."""
+    from rich.console import Console  # noqa: PLC0415 - slow, and few commands complain
+    from rich.text import Text  # noqa: PLC0415
+
     console = Console(stderr=True, highlight=False)
     rows = [Text.assemble(("error: ", "bold red"), _harmless(str(error)))]
     if error.help:
@@ -90,7 +101,7 @@ def tell(text: str) -> bool:
 
 def _print(shown: str | Report | Markdown) -> bool:
     try:
-        sys.stdout.write(_rendered(shown, Console()))
+        sys.stdout.write(shown if isinstance(shown, str) else _on_the_terminal(shown))
         sys.stdout.flush()
         return True
     except BrokenPipeError:
@@ -101,13 +112,21 @@ def _print(shown: str | Report | Markdown) -> bool:
         raise _unwritable(error, "standard output") from None
 
 
+def _on_the_terminal(shown: Report | Markdown) -> str:
+    from rich.console import Console  # noqa: PLC0415 - slow, and not for plain text
+
+    return _rendered(shown, Console())
+
+
 def _rendered(shown: str | Report | Markdown, console: Console) -> str:
     if isinstance(shown, str):
         return shown
+    from rich.markdown import Markdown  # noqa: PLC0415 - slow, and few commands show any
+
     if isinstance(shown, Markdown) and not console.is_terminal:
         return shown.markup
     with console.capture() as captured:
-        console.print(shown, soft_wrap=isinstance(shown, Report))
+        console.print(shown, soft_wrap=not isinstance(shown, Markdown))
     return captured.get()
 
 

@@ -16,7 +16,6 @@ from rtron.guard.complaints import Complaints
 from rtron.guard.control import Answer, Control, control_path
 from rtron.guard.fence.place import private_master
 from rtron.guard.host import Host
-from rtron.guard.link.linked import Linked
 from rtron.guard.loop import Loop
 from rtron.guard.measuring.measuring import Measuring, Write
 from rtron.guard.overriding import Overriding
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rtron.guard.audit.ros2.auditor import Ros2Auditor
+    from rtron.guard.link.linked import Linked
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.supervision.tie import Tie
     from rtron.guard.transport.ros2.transport import Ros2Transport
@@ -69,7 +69,7 @@ def run_guard(
     presence = Presence(presence_path(control or control_path(plan.app), master))
     will = _will(tie, presence)
     host = Host(transport, streams(plan), senses, dry_run=dry_run, will=will)
-    linked = Linked(plan, host, transport, loop, link) if link else None
+    linked = _linked(plan, host, transport, loop, link) if link else None
     if tie:
         _tie(tie, host, transport, loop)
     if measuring and figures:
@@ -87,6 +87,14 @@ def run_guard(
         door.close()
     loop.close()
     return 0
+
+
+def _linked(
+    plan: Plan, host: Host, transport: AnyTransport, loop: Loop, link: LinkOptions
+) -> Linked:
+    from rtron.guard.link.linked import Linked  # noqa: PLC0415 - most guards have no service
+
+    return Linked(plan, host, transport, loop, link)
 
 
 def _will(tie: Tie | None, presence: Presence) -> Will:
