@@ -1,9 +1,32 @@
 """What tests of the security service use: real databases of both kinds."""
 
 import pytest
+from argon2 import PasswordHasher
 from postgresql_server import PostgreSQL, programs
 
+from rtron.service.store.accounts import passwords
 from rtron.service.store.database import Database
+
+_FULL = passwords._hasher
+
+
+@pytest.fixture(scope="session", autouse=True)
+def little_effort():
+    """Let a password cost little here: many log in, and each would take a quarter of a second."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(passwords, "_hasher", PasswordHasher(1, 64, 1))
+        passwords._nobody.cache_clear()
+        yield
+    passwords._nobody.cache_clear()
+
+
+@pytest.fixture
+def full_effort(monkeypatch):
+    """Let a password cost what it costs in service."""
+    monkeypatch.setattr(passwords, "_hasher", _FULL)
+    passwords._nobody.cache_clear()
+    yield
+    passwords._nobody.cache_clear()
 
 
 @pytest.fixture(scope="session")

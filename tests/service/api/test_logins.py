@@ -38,6 +38,7 @@ def me(client, headers):
     return client.get("/api/v1/me", headers=headers).status_code
 
 
+@pytest.mark.usefixtures("full_effort")
 def test_a_login_gives_a_cookie_that_scripts_and_other_sites_cannot_have(client, mary, login):
     answer = login()
     assert answer.status_code == 200
