@@ -1,5 +1,6 @@
 """What tests of every folder use."""
 
+import os
 import signal
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 sys.path += [str(Path(__file__).parent / ros) for ros in ("ros1", "ros2")]
+from compiled import compiled
 from harness import Ros1
 from harness2 import Ros2
 from roslaunch_oracle import RosLoader
@@ -29,6 +31,19 @@ def runtime_folder():
     with TemporaryDirectory(prefix="rtron-") as folder, pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", folder)
         yield
+
+
+@pytest.fixture(scope="session")
+def programs_folder(tmp_path_factory):
+    """Return the folder in which all processes of this run find what one has compiled."""
+    own = tmp_path_factory.getbasetemp()
+    return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+
+@pytest.fixture(scope="session")
+def driver(programs_folder):
+    """Compile a wheel driver against roscpp."""
+    return compiled(programs_folder, "driver", "roscpp")
 
 
 @pytest.fixture

@@ -5,5 +5,5 @@ from action_app import compile_actions
 
 
 @pytest.fixture(scope="session")
-def programs(tmp_path_factory):
-    return compile_actions(tmp_path_factory.mktemp("actions"))
+def programs(programs_folder):
+    return compile_actions(programs_folder)

@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 sys.path.append(str(Path(__file__).parents[2]))
-from drive import compile_driver
 
 
 @pytest.fixture(scope="session")
-def roscpp_driver(tmp_path_factory):
-    return compile_driver(tmp_path_factory.mktemp("driver"))
+def roscpp_driver(driver):
+    return driver

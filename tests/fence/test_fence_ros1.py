@@ -12,7 +12,6 @@ from drive import (
     CMD_VEL_GUARD,
     Base,
     Driven,
-    compile_driver,
     drive_plan,
     start_guard,
     write_app,
@@ -34,19 +33,14 @@ TYPE = "geometry_msgs/Twist"
 LIMIT_S, NOWHERE = 30.0, "http://localhost:1/"
 
 
-@pytest.fixture(scope="session")
-def fenced_driver(tmp_path_factory):
-    return compile_driver(tmp_path_factory.mktemp("fenced_driver"))
-
-
 @pytest.fixture
 def inside(ros1):
     return start(ros1, drive_plan())
 
 
 @pytest.fixture
-def base(inside, fenced_driver):
-    return Base(inside, fenced_driver, guarded=True)
+def base(inside, driver):
+    return Base(inside, driver, guarded=True)
 
 
 def public(inside):
@@ -236,8 +230,8 @@ def test_the_tools_of_ros_work(base):
     assert "/rtron/cmd_vel/out" in said
 
 
-def test_roslaunch_starts_the_guarded_app_unchanged(inside, fenced_driver):
-    launch = write_app(inside.folder, fenced_driver)
+def test_roslaunch_starts_the_guarded_app_unchanged(inside, driver):
+    launch = write_app(inside.folder, driver)
     plan, out = inside.folder / "rtron.yaml", inside.folder / "guarded" / "base.launch"
     plan.write_text(write_plan(drive_plan()))
     driven = Driven(inside.folder / "driven.txt")

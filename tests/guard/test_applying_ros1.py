@@ -1,12 +1,12 @@
 """Settings change while real nodes drive, and while real goals wait."""
 
-import subprocess
 from dataclasses import replace
 
 import pytest
 from action_app import GUARD, Act, action_plan, compile_actions
-from changing_guard import SPEAKER, ChangingGuard
-from drive import Driven, compile_driver
+from changing_guard import ChangingGuard
+from compiled import compiled
+from drive import Driven
 from harness import wait_for
 from light import Light, ruled
 from plans import grcn, plan_of
@@ -34,23 +34,14 @@ FLOWS = (
 
 
 @pytest.fixture(scope="module")
-def driver(tmp_path_factory):
-    return compile_driver(tmp_path_factory.mktemp("driver"))
-
-
-@pytest.fixture(scope="module")
-def speaker(tmp_path_factory):
+def speaker(programs_folder):
     """Compile a publisher against roscpp."""
-    program = tmp_path_factory.mktemp("speaker") / "speaker"
-    words = ["pkg-config", "--cflags", "--libs", "roscpp"]
-    found = subprocess.run(words, check=True, capture_output=True, text=True)
-    subprocess.run(["g++", "-std=c++17", SPEAKER, "-o", program, *found.stdout.split()], check=True)
-    return program
+    return compiled(programs_folder, "speaker", "roscpp")
 
 
 @pytest.fixture(scope="module")
-def programs(tmp_path_factory):
-    return compile_actions(tmp_path_factory.mktemp("actions"))
+def programs(programs_folder):
+    return compile_actions(programs_folder)
 
 
 def drive_plan():

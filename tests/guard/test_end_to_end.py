@@ -7,7 +7,6 @@ from drive import (
     MAP_GUARD,
     Base,
     Driven,
-    compile_driver,
     drive_plan,
     map_plan,
     start_guard,
@@ -21,11 +20,6 @@ from rtron.sources.ros1_live import Ros1Live
 pytestmark = pytest.mark.ros1
 RATES = pytest.mark.parametrize("rate", [50, 1000])
 MANY = 1000
-
-
-@pytest.fixture(scope="session")
-def driver(tmp_path_factory):
-    return compile_driver(tmp_path_factory.mktemp("driver"))
 
 
 @pytest.fixture

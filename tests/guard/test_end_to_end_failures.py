@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import pytest
-from drive import Driven, compile_driver, start_guard
+from drive import Driven, start_guard
 from harness import wait_for
 from light import MSRCN_NODE, RED, Light
 from said import IMAGE, TWIST, Heard, say
@@ -36,11 +36,6 @@ MOVING = GuardedTopic(
     flows=(Flow(name="flow1", publisher="/nav", silent_after=SECOND),),
     successors=("/driver",),
 )
-
-
-@pytest.fixture(scope="session")
-def driver(tmp_path_factory):
-    return compile_driver(tmp_path_factory.mktemp("driver"))
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from drive import CMD_VEL_GUARD, Driven, compile_driver, drive_plan, start_guard
+from drive import CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import free_port, named, wait_for
 from said import TWIST, say
 
@@ -20,11 +20,6 @@ from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan
 pytestmark = pytest.mark.ros1
 SPEED, FORBIDDEN = 0.8, 9.0
 OUT = "/rtron/cmd_vel/out"
-
-
-@pytest.fixture(scope="session")
-def driver(tmp_path_factory):
-    return compile_driver(tmp_path_factory.mktemp("driver"))
 
 
 def plan_with_a_blocked_flow():

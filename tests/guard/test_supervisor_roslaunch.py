@@ -5,7 +5,7 @@ import signal
 from pathlib import Path
 
 import pytest
-from drive import Driven, compile_driver, drive_plan, write_app
+from drive import Driven, drive_plan, write_app
 from harness import wait_for
 
 from rtron.planning.write import write_plan
@@ -15,10 +15,9 @@ pytestmark = pytest.mark.ros1
 
 
 @pytest.fixture
-def launched(ros1, tmp_path_factory):
+def launched(ros1, driver):
     """Start the base, instrumented, with roslaunch; yield that process and the driver's words."""
-    program = compile_driver(tmp_path_factory.mktemp("driver"))
-    launch = write_app(ros1.folder, program)
+    launch = write_app(ros1.folder, driver)
     plan, out = ros1.folder / "rtron.yaml", ros1.folder / "guarded" / "base.launch"
     plan.write_text(write_plan(drive_plan()))
     driven = Driven(ros1.folder / "driven.txt")

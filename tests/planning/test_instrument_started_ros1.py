@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from drive import CMD_VEL_GUARD, Driven, compile_driver, drive_plan
+from drive import CMD_VEL_GUARD, Driven, drive_plan
 from harness import wait_for
 from starting_app import write_starting_app
 
@@ -15,11 +15,6 @@ from rtron.planning.write import write_plan
 
 pytestmark = [pytest.mark.ros1, pytest.mark.timeout(180)]
 FLOWS = {"/rtron/cmd_vel/flow1": "/nav", "/rtron/cmd_vel/flow2": "/rogue"}
-
-
-@pytest.fixture(scope="module")
-def driver(tmp_path_factory):
-    return compile_driver(tmp_path_factory.mktemp("driver"))
 
 
 @pytest.fixture

@@ -3,14 +3,15 @@
 import json
 import os
 import signal
-import subprocess
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 
+from compiled import compiled
 from drive import start_guard
-from harness import HERE, NODES, ROS_PYTHON, named, wait_for
+from harness import NODES, ROS_PYTHON, named, wait_for
 from plans import grcn, plan_of
 
 from rtron.vocabulary import SECOND, Domain, Flow, StreamKind
@@ -36,19 +37,10 @@ class Programs:
 
 def compile_actions(folder):
     """Compile the C++ ends against libactionlib, both at once; return the programs."""
-    flags = subprocess.run(
-        ["pkg-config", "--cflags", "--libs", "actionlib", "roscpp"],
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout.split()
-    built = {name: folder / name for name in ("action_server", "action_client")}
-    compilers = [
-        subprocess.Popen(["g++", "-std=c++17", HERE / f"{name}.cpp", "-o", program, *flags])
-        for name, program in built.items()
-    ]
-    codes = [compiler.wait() for compiler in compilers]
-    assert codes == [0, 0]
+    names = ("action_server", "action_client")
+    with ThreadPoolExecutor() as both:
+        programs = both.map(lambda name: compiled(folder, name, "actionlib", "roscpp"), names)
+    built = dict(zip(names, programs, strict=True))
     python = {name: [ROS_PYTHON, NODES / f"{name}.py"] for name in built}
     return Programs(
         server={"cpp": [built["action_server"]], "py": [*python["action_server"], "simple"]},

@@ -22,8 +22,6 @@ from rtron.planning.write import write_plan
 from rtron.vocabulary import NodeSettings, Settings, streams
 from rtron.wire.link import NewSettings, service_bytes, to_guard
 
-SPEAKER = HERE / "speaker.cpp"
-
 
 class ChangingGuard:
     """Starts the guard of a plan, and changes its settings."""

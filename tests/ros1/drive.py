@@ -1,9 +1,8 @@
 """A base that is driven: navigation, attackers and a C++ driver, with and without the guard."""
 
 import shutil
-import subprocess
 
-from harness import HERE, NODES, wait_for
+from harness import NODES, wait_for
 from plans import grcn, plan_of
 
 from rtron.planning.write import write_plan
@@ -15,17 +14,6 @@ PATIENCE = 3 * SECOND
 CMD_VEL = "/cmd_vel"
 CMD_VEL_GUARD = "/rtron/grcn_cmd_vel"
 MAP_GUARD = "/rtron/grcn_map"
-
-
-def compile_driver(folder):
-    """Compile driver.cpp against roscpp; return the program."""
-    program = folder / "driver"
-    flags = subprocess.run(
-        ["pkg-config", "--cflags", "--libs", "roscpp"], check=True, capture_output=True, text=True
-    ).stdout.split()
-    source = HERE / "driver.cpp"
-    subprocess.run(["g++", "-std=c++17", source, "-o", program, *flags], check=True)
-    return program
 
 
 def drive_plan():
