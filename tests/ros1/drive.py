@@ -52,7 +52,7 @@ class Driven:
 
     def navigation(self):
         """Return the counts that navigation sent, in order of arrival."""
-        return [int(float(x)) for x, turn in self.messages() if turn == TURN_LEFT]
+        return [round(float(x) * 1000) for x, turn in self.messages() if turn == TURN_LEFT]
 
     def turns(self):
         """Return how many messages of the attackers arrived."""

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Navigates: counts up in linear.x at 10 Hz, the first as soon as somebody is connected.
+"""Navigates: counts up in mm/s of linear.x at 10 Hz, the first as soon as somebody is connected.
 
-It turns left: no stop of a guard or a supervisor looks like a message of navigation.
+It turns left: no stop of a guard or a supervisor looks like a message of navigation. And it is
+slow: from metres a second that it counted up to, every stop would be a ramp of many seconds.
 """
 
 from contextlib import suppress
@@ -29,11 +30,12 @@ def main():
     look = rospy.Rate(200)
     while not connected.yet and not rospy.is_shutdown():
         look.sleep()
-    rate, message = rospy.Rate(10), Twist()
+    rate, message, count = rospy.Rate(10), Twist(), 0
     message.angular.z = 0.5
     while not rospy.is_shutdown():
+        message.linear.x = count / 1000
         publisher.publish(message)
-        message.linear.x += 1
+        count += 1
         rate.sleep()
 
 
