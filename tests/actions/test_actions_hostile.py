@@ -37,6 +37,10 @@ def received(act, topic, count):
     wait_for(lambda: act.ros1.received(GUARD, topic) >= count, what=f"{count} on {topic}")
 
 
+def ids_of_results(raw):
+    return {row["id"] for row in raw.rows("result")}
+
+
 def begin(served, one):
     """Let the server begin a long goal of /one; return its id."""
     one.send(LONG)
@@ -100,7 +104,7 @@ def test_a_stranger_can_do_nothing(stranger):
     received(act, "/act/goal", 3)
     assert_untouched_until_cancelled(served, one)
     assert not served.executed(FOREIGN)
-    assert {row["id"] for row in raw.rows("result")} == set(one.results())
+    wait_for(lambda: ids_of_results(raw) == set(one.results()), what="the results of one alone")
 
 
 def test_a_goal_of_an_earlier_time_is_served_too(approved):
