@@ -7,6 +7,7 @@ from shlex import quote
 
 from rtron.cli.assignments import ASSIGNED
 from rtron.cli.node_functions import WithFunctions
+from rtron.cli.options import Ros
 from rtron.cli.running import RunningApp
 from rtron.cli.static_app import StaticChoice, StaticSource, static_source
 from rtron.errors import InputError
@@ -64,6 +65,34 @@ class Chosen:
             help = "give folders with source, one graph, or one bag"
             raise InputError(f"{other} is not a folder", help=help)
         return folders
+
+
+def chosen_by(  # noqa: PLR0913 - one for each option
+    inputs: Sequence[str] | None,
+    launch: Sequence[str] | None,
+    env: Sequence[str] | None,
+    *,
+    execute: bool,
+    python: str | None,
+    live: bool,
+    ros: Ros,
+    master: str,
+    domain: int | None,
+    timeout: float | None,
+    jobs: int | None,
+    no_cache: bool,
+) -> Chosen:
+    """Return what the options of a command about an app choose."""
+    static = StaticChoice(
+        launches=launch or (),
+        env=env or (),
+        jobs=jobs,
+        use_cache=not no_cache,
+        execute=execute,
+        python=python,
+    )
+    running = RunningApp(ros=ros, master=master, domain=domain, timeout=timeout)
+    return Chosen(inputs=inputs or (), running=running if live else None, static=static)
 
 
 def chosen_app(chosen: Chosen) -> App:

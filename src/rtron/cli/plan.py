@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.app import Chosen, chosen_app
+from rtron.cli.app import chosen_app, chosen_by
 from rtron.cli.options import (
     DEFAULT_MASTER,
     Domain,
@@ -27,8 +27,6 @@ from rtron.cli.options import (
 )
 from rtron.cli.outcome import STDOUT, Outcome, replace_file
 from rtron.cli.remarks import remarks_of
-from rtron.cli.running import RunningApp
-from rtron.cli.static_app import StaticChoice
 from rtron.cli.tuning import Tuning, tuned
 from rtron.errors import InputError
 from rtron.planning.propose import left_out, propose_plan
@@ -108,16 +106,20 @@ def plan(  # noqa: PLR0913 - one for each option
         return tuned(Tuning(run=from_run, plan=plan_file, output=output, format=format))
     if plan_file:
         raise InputError("--plan without --from-run", help="`rtron check` checks a plan")
-    static = StaticChoice(
-        launches=launch or (),
-        env=env or (),
-        jobs=jobs,
-        use_cache=not no_cache,
+    chosen = chosen_by(
+        inputs,
+        launch,
+        env,
         execute=execute_launch,
         python=launch_python,
+        live=live,
+        ros=ros,
+        master=master,
+        domain=domain,
+        timeout=timeout,
+        jobs=jobs,
+        no_cache=no_cache,
     )
-    running = RunningApp(ros=ros, master=master, domain=domain, timeout=timeout)
-    chosen = Chosen(inputs=inputs or (), running=running if live else None, static=static)
     app = chosen_app(chosen)
     found = app.source.read()
     report = discover(found, load_lists(lists) if lists else None)

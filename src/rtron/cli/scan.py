@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.app import App, Chosen, chosen_app
+from rtron.cli.app import App, chosen_app, chosen_by
 from rtron.cli.evidence import from_root
 from rtron.cli.launch_list import listed_launches
 from rtron.cli.options import (
@@ -29,8 +29,6 @@ from rtron.cli.options import (
     TextOrJson,
 )
 from rtron.cli.outcome import FOUND, OK, STDOUT, Outcome, as_json, write_files
-from rtron.cli.running import RunningApp
-from rtron.cli.static_app import StaticChoice
 from rtron.errors import InputError
 from rtron.planning.propose import propose_plan
 from rtron.reports.dot import graph_to_dot
@@ -119,16 +117,20 @@ def scan(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """
-    static = StaticChoice(
-        launches=launch or (),
-        env=env or (),
-        jobs=jobs,
-        use_cache=not no_cache,
+    chosen = chosen_by(
+        inputs,
+        launch,
+        env,
         execute=execute_launch,
         python=launch_python,
+        live=live,
+        ros=ros,
+        master=master,
+        domain=domain,
+        timeout=timeout,
+        jobs=jobs,
+        no_cache=no_cache,
     )
-    running = RunningApp(ros=ros, master=master, domain=domain, timeout=timeout)
-    chosen = Chosen(inputs=inputs or (), running=running if live else None, static=static)
     if chosen.folders and not launch and not live:
         return Outcome(listed_launches(chosen.folders, _list_format(format)), OK, output)
     app = chosen_app(chosen)

@@ -14,11 +14,11 @@ from rtron.vocabulary import (
     Service,
 )
 
-_DIRECTIONS = {
+DIRECTIONS = {
     DeclarationKind.PUBLISH: Direction.PUBLISH,
     DeclarationKind.SUBSCRIBE: Direction.SUBSCRIBE,
 }
-_ROLES = {
+ROLES = {
     DeclarationKind.ACTION_CLIENT: ActionRole.CLIENT,
     DeclarationKind.ACTION_SERVER: ActionRole.SERVER,
 }
@@ -46,10 +46,10 @@ class Remapping:
 
 def endpoints_of(node: str, declared: Declaration, remap: Remapping) -> Iterator[Endpoint]:
     """Yield the topics of a declaration; an action has five (actionlib's wiki page)."""
-    if declared.kind in _DIRECTIONS:
-        direction = _DIRECTIONS[declared.kind]
+    if declared.kind in DIRECTIONS:
+        direction = DIRECTIONS[declared.kind]
         yield _endpoint(node, declared, declared.name, direction, declared.type, remap)
-    elif declared.kind in _ROLES:
+    elif declared.kind in ROLES:
         for part, type in _PARTS.items():
             publishes = (part in _FROM_CLIENT) == (declared.kind is DeclarationKind.ACTION_CLIENT)
             direction = Direction.PUBLISH if publishes else Direction.SUBSCRIBE
@@ -65,9 +65,9 @@ def service_of(node: str, declared: Declaration, remap: Remapping) -> Iterator[S
 
 def action_of(node: str, declared: Declaration, remap: Remapping) -> Iterator[Action]:
     """Yield a declaration's side of an action, by the name that its goals go to."""
-    if declared.kind in _ROLES:
+    if declared.kind in ROLES:
         name = remap(f"{declared.name}/goal").removesuffix("/goal")
-        role = _ROLES[declared.kind]
+        role = ROLES[declared.kind]
         yield Action(node=node, name=name, type=declared.type, role=role)
 
 
@@ -99,7 +99,7 @@ def _endpoint(
         direction=direction,
         type=type,
         declared_name=name,
-        implicit=declared.implicit or declared.kind in _ROLES,
+        implicit=declared.implicit or declared.kind in ROLES,
         resolution=Resolution.SYMBOLIC if "{" in topic else declared.resolution,
         evidence=declared.evidence,
     )

@@ -4,11 +4,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from rtron.sources.declaration import Declaration, DeclarationKind
+from rtron.sources.static.endpoints import DIRECTIONS, ROLES
 from rtron.vocabulary import (
     Action,
     ActionEnd,
-    ActionRole,
-    Direction,
     Endpoint,
     Resolution,
     Service,
@@ -16,14 +15,6 @@ from rtron.vocabulary import (
 )
 from rtron.vocabulary.remap_rules import Rule, remaps_at
 
-_DIRECTIONS = {
-    DeclarationKind.PUBLISH: Direction.PUBLISH,
-    DeclarationKind.SUBSCRIBE: Direction.SUBSCRIBE,
-}
-_ROLES = {
-    DeclarationKind.ACTION_CLIENT: ActionRole.CLIENT,
-    DeclarationKind.ACTION_SERVER: ActionRole.SERVER,
-}
 _SERVICES: Mapping[DeclarationKind, type[Service | ServiceClient]] = {
     DeclarationKind.SERVICE: Service,
     DeclarationKind.SERVICE_CLIENT: ServiceClient,
@@ -49,15 +40,15 @@ def joined(
 ) -> Iterator[Endpoint | Service | Action | ServiceClient]:
     """Yield what the graph has of a node's declarations."""
     for declared in declarations:
-        if declared.kind in _DIRECTIONS:
+        if declared.kind in DIRECTIONS:
             yield _endpoint(node, declared, rules)
         elif declared.kind in _SERVICES:
             name, implicit = rules(declared.name), declared.implicit
             sort = _SERVICES[declared.kind]
             yield sort(node=node, name=name, type=declared.type, implicit=implicit)
-        elif declared.kind in _ROLES:
+        elif declared.kind in ROLES:
             name = rules(declared.name + _GOALS).removesuffix(_GOALS)
-            role = _ROLES[declared.kind]
+            role = ROLES[declared.kind]
             yield Action(node=node, name=name, type=declared.type, role=role)
 
 
@@ -66,7 +57,7 @@ def _endpoint(node: str, declared: Declaration, rules: Rules) -> Endpoint:
     return Endpoint(
         node=node,
         topic=topic,
-        direction=_DIRECTIONS[declared.kind],
+        direction=DIRECTIONS[declared.kind],
         type=declared.type,
         declared_name=declared.name,
         implicit=declared.implicit,

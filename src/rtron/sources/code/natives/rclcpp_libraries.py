@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
-from rtron.sources.code.interpreter.items import listed
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     TRUE,
@@ -12,22 +11,16 @@ from rtron.sources.code.interpreter.values import (
     Instance,
     Known,
     NativeClass,
-    Text,
     Value,
     concat,
     is_text,
     options,
 )
-from rtron.sources.code.natives import ros2_endpoints
+from rtron.sources.code.natives import ros2_endpoints, ros2_libraries
 from rtron.sources.code.natives.cpp_arguments import escape_all, message_of, take_callbacks
 from rtron.sources.code.natives.rclcpp_endpoints import owned
 from rtron.sources.code.natives.ros2_nodes import (
-    NAME,
-    NodeWords,
-    full_name,
-    name_of,
     node_among,
-    record,
 )
 from rtron.sources.code.natives.ros2_parameters import watch_changes
 from rtron.sources.code.natives.ros2_qos import PROFILES, is_qos, qos_of
@@ -49,44 +42,17 @@ def _names(arguments: Arguments) -> list[Value]:
 def _transforms(
     kind: DeclarationKind, machine: Machine, arguments: Arguments, *, static: bool = False
 ) -> Value:
-    """`TransformListener(buffer[, node])`, `TransformBroadcaster(node)`."""
-    node = node_among(arguments.values)
-    if node is None and kind is _SUBSCRIBE:
-        node = own_node(machine, "transform_listener_impl_", arguments)
-    if node is None:
-        ros2_endpoints.unknown_owner(machine, "TransformBroadcaster", None, arguments)
-    else:
-        ros2_endpoints.transforms(machine, kind, node, arguments, static=static)
+    ros2_libraries.transforms(kind, machine, arguments, static=static)
     return Instance(_LIBRARY, {"truth": TRUE})
 
 
-def own_node(machine: Machine, prefix: str, at: Arguments) -> Instance:
-    """Return a node that a library makes for itself; its name ends in what only the run knows.
-
-    Its own arguments name it (tf2_ros: TransformListener); the rest of the process's count for it.
-    """
-    name = Text((f"__node:={prefix}", Hole("id")))
-    words = NodeWords(name=Hole("id"), arguments=listed((Known("-r"), name)))
-    node = Instance(NativeClass("node"), {NAME: full_name(machine, words)})
-    record(machine, name_of(node), words, at)
-    return node
-
-
 def _buffer(machine: Machine, arguments: Arguments) -> Value:
-    """`tf2_ros::Buffer(clock[, cache_time][, node])` answers tf2_frames for a node."""
-    node = node_among(arguments.values)
-    if node is not None:
-        kind, type = DeclarationKind.SERVICE, "tf2_msgs/srv/FrameGraph"
-        name = Known("tf2_frames")
-        ros2_endpoints.declare(machine, kind, node, name, type, arguments, implicit=True)
+    ros2_libraries.buffer(machine, arguments)
     return Instance(_LIBRARY, {"truth": TRUE})
 
 
 def _diagnostics(machine: Machine, arguments: Arguments) -> Value:
-    """`diagnostic_updater::Updater(node)`."""
-    node = node_among(arguments.values)
-    if node is not None:
-        ros2_endpoints.diagnostics(machine, node, arguments)
+    ros2_libraries.diagnostics(machine, arguments)
     return Instance(_UPDATER, {"truth": TRUE})
 
 

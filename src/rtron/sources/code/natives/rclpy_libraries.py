@@ -6,17 +6,12 @@ from functools import partial
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import Hole, Instance, Known, Value, concat
-from rtron.sources.code.natives import ros2_endpoints
-from rtron.sources.code.natives.rclcpp_libraries import own_node
+from rtron.sources.code.natives import ros2_endpoints, ros2_libraries
 from rtron.sources.code.natives.rclpy_node import ENDPOINT, declare, escape_all
-from rtron.sources.code.natives.ros2_nodes import node_among
+from rtron.sources.code.natives.ros2_libraries import library_node
 from rtron.sources.declaration import DeclarationKind
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
-
-
-def _node(arguments: Arguments) -> Instance | None:
-    return node_among((*arguments.values, *arguments.keywords.values()))
 
 
 def _transforms(
@@ -27,24 +22,12 @@ def _transforms(
     *,
     static: bool = False,
 ) -> Value:
-    """`TransformListener(buffer, node)`, `TransformBroadcaster(node)`."""
-    node = _node(arguments)
-    if node is None and kind is _SUBSCRIBE:
-        node = own_node(machine, "transform_listener_impl_", arguments)
-    if node is None:
-        ros2_endpoints.unknown_owner(machine, "TransformBroadcaster", None, arguments)
-    else:
-        ros2_endpoints.transforms(machine, kind, node, arguments, static=static)
+    ros2_libraries.transforms(kind, machine, arguments, static=static)
     return Instance(ENDPOINT)
 
 
 def _buffer(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`Buffer(cache_time, node)` answers tf2_frames for a node."""
-    node = _node(arguments)
-    if node is not None:
-        kind, type = DeclarationKind.SERVICE, "tf2_msgs/srv/FrameGraph"
-        name = Known("tf2_frames")
-        ros2_endpoints.declare(machine, kind, node, name, type, arguments, implicit=True)
+    ros2_libraries.buffer(machine, arguments)
     return Instance(ENDPOINT)
 
 
@@ -66,15 +49,13 @@ def _wait_for_message(machine: Machine, _: object, arguments: Arguments) -> Valu
 
 
 def _diagnostics(machine: Machine, _: object, arguments: Arguments) -> Value:
-    node = _node(arguments)
-    if node is not None:
-        ros2_endpoints.diagnostics(machine, node, arguments)
+    ros2_libraries.diagnostics(machine, arguments)
     return Instance(ENDPOINT)
 
 
 def _parameters_client(machine: Machine, _: object, arguments: Arguments) -> Value:
     """`AsyncParameterClient(node, remote)` calls the parameter services of another node."""
-    node, remote = _node(arguments), arguments.get(1, "remote_node_name") or Hole("remote")
+    node, remote = library_node(arguments), arguments.get(1, "remote_node_name") or Hole("remote")
     for name, type in ros2_endpoints.PARAMETER_SERVICES.items() if node is not None else ():
         kind, full = DeclarationKind.SERVICE_CLIENT, concat((remote, Known(f"/{name}")))
         ros2_endpoints.declare(machine, kind, node, full, type, arguments, implicit=True)  # type: ignore[arg-type]
@@ -83,7 +64,7 @@ def _parameters_client(machine: Machine, _: object, arguments: Arguments) -> Val
 
 def _markers(machine: Machine, _: object, arguments: Arguments) -> Value:
     """`InteractiveMarkerServer(node, namespace)`."""
-    node, space = _node(arguments), arguments.get(1, "namespace") or Hole("namespace")
+    node, space = library_node(arguments), arguments.get(1, "namespace") or Hole("namespace")
     for kind, name, type in _MARKERS if node is not None else ():
         full = concat((space, Known(f"/{name}")))
         ros2_endpoints.declare(machine, kind, node, full, type, arguments, implicit=True)  # type: ignore[arg-type]
