@@ -301,3 +301,68 @@ def test_arguments_that_the_client_library_takes_are_not_the_nodes():
     found = modelled("topic_tools/relay", args="/in /out --ros-args -r a:=b -p x:=1")
     ends = {(d.kind.value, d.name) for d in found.declarations}
     assert ends == {("subscribe", "/in"), ("publish", "/out")}
+
+
+TOOLS = {
+    ("relay", "/in"): ["/in", "/sent"],
+    ("relay", "/in out"): ["/in", "/ns/out"],
+    ("delay", "/in 1.5"): ["/in", "/sent"],
+    ("delay", "/in 1.5 /out"): ["/in", "/out"],
+    ("drop", "/in 1 2"): ["/in", "/sent"],
+    ("drop", "/in 1 2 /out"): ["/in", "/out"],
+    ("throttle", "messages /in 1.0"): ["/in", "/sent"],
+    ("throttle", "messages /in 1.0 /out"): ["/in", "/out"],
+    ("throttle", "bytes /in 1024 1.0"): ["/in", "/sent"],
+    ("throttle", "bytes /in 1024 1.0 /out"): ["/in", "/out"],
+    ("mux", "/out /in1 in2"): ["/in1", "/ns/in2", "/out"],
+    ("demux", "/in /out1 out2"): ["/in", "/out1", "/ns/out2"],
+    ("transform", "/in /out std_msgs/Float64 m.x -i numpy"): ["/in", "/out"],
+    ("relay_field", "in /out std_msgs/msg/Bool {data:1}"): ["/nsin", "/out"],
+}
+GIVEN = {"input_topic": "/given", "output_topic": "/sent"}
+LISTED = {"input_topics": ("/a", "b"), "output_topics": ("/a", "b"), "initial_topic": "/c"}
+
+
+def ends_of(found):
+    heard, sent = names(found, "subscribe"), names(found, "publish")
+    return sorted(heard), sorted(sent)
+
+
+@pytest.mark.parametrize(("tool", "words"), TOOLS)
+def test_the_words_of_a_topic_tool_count_before_its_parameters(tool, words):
+    site = site2("/ns/tool", {"/**": GIVEN | LISTED | {"initial_topic": ""}}, args=words)
+    found = interface(MODELS.node("topic_tools", tool), site, models=MODELS)
+    heard, sent = ends_of(found)
+    assert sorted([*heard, *sent]) == sorted(TOOLS[tool, words])
+    assert found.unresolved == ()
+
+
+@pytest.mark.parametrize("tool", ["relay", "delay", "drop", "throttle"])
+@pytest.mark.parametrize("words", ["", "messages"])
+def test_a_topic_tool_has_the_topics_of_its_parameters(tool, words):
+    words = words if tool == "throttle" else ""
+    model = MODELS.node("topic_tools", tool)
+    found = interface(model, site2("/ns/tool", {"/**": GIVEN}, args=words), models=MODELS)
+    assert ends_of(found) == (["/given"], ["/sent"])
+    unset = interface(model, site2("/ns/tool"), models=MODELS)
+    assert [note.why for note in unset.unresolved] == ["the parameter input_topic is not set"]
+
+
+def test_a_topic_tool_names_its_output_after_itself_where_nothing_else_does():
+    found = interface(MODELS.node("topic_tools", "drop"), site2("/d", args="in 1 2"), models=MODELS)
+    assert ends_of(found) == (["/in"], ["/in_drop"])
+
+
+def test_a_mux_hears_and_a_demux_sends_what_it_is_set_to():
+    found = interface(MODELS.node("topic_tools", "mux"), site2("/m", {"/**": LISTED}))
+    assert ends_of(found) == (["/a", "/b", "/c"], ["/m/selected"])
+    found = interface(MODELS.node("topic_tools", "demux"), site2("/d", {"/**": LISTED}))
+    assert ends_of(found) == (["/d/input"], ["/a", "/b", "/c"])
+
+
+def test_a_transform_has_a_name_that_ends_in_its_number():
+    words = "/in /out std_msgs/Float64 m --field x"
+    site = site2("/ns/transform", args=words, named=False)
+    found = interface(MODELS.node("topic_tools", "transform"), site, models=MODELS)
+    assert [node.name for node in found.nodes] == ["/ns/transform_{pid}"]
+    assert ("publish", "/out", "std_msgs/msg/Float64") in told(found)

@@ -14,10 +14,11 @@ TOPICS = """- topic_name: cmd_vel
 - ros_topic_name: /scan
   gz_topic_name: lidar
   ros_type_name: sensor_msgs/msg/LaserScan
+  gz_type_name: gz.msgs.LaserScan
   direction: GZ_TO_ROS
 - gz_topic_name: both
   ros_type_name: std_msgs/msg/Bool
-- not an entry
+  gz_type_name: gz.msgs.Boolean
 """
 
 
@@ -29,8 +30,8 @@ def bridged(tmp_path):
     (top / "package.xml").write_text("<package><name>sim</name></package>")
     (top / "bridge.yaml").write_text(TOPICS)
 
-    def scan(given):
-        (top / "app.launch.xml").write_text(BRIDGE.format(given=given))
+    def scan(given, launch=BRIDGE):
+        (top / "app.launch.xml").write_text(launch.format(given=given))
         return scan_ros2_app([top], [(top / "app.launch.xml", {})], {}, ScanOptions(workers=1))
 
     return scan
@@ -50,15 +51,81 @@ def test_a_bridge_carries_what_its_file_says(bridged):
         '<param name="use_sim_time" value="true"/>'
     )
     assert [node.name for node in graph.nodes] == ["/r/ros_gz_bridge"]
-    assert ends(graph) == {
-        "< /r/cmd_vel geometry_msgs/msg/Twist",
-        "> /scan sensor_msgs/msg/LaserScan",
-        "< /r/both std_msgs/msg/Bool",
-        "> /r/both std_msgs/msg/Bool",
-    }
+    assert ends(graph) == CARRIED
     assert [e.node for e in graph.subscribers("/clock")] == ["/r/ros_gz_bridge"]
     assert graph.publishers("/scan")[0].evidence[1].file.endswith("bridge.yaml")
     assert graph.unresolved == ()
+
+
+CARRIED = {
+    "< /r/cmd_vel geometry_msgs/msg/Twist",
+    "> /scan sensor_msgs/msg/LaserScan",
+    "< /r/both std_msgs/msg/Bool",
+    "> /r/both std_msgs/msg/Bool",
+}
+LOADED = """<launch><node_container pkg="rclcpp_components" exec="component_container" name="c"
+  namespace=""><composable_node pkg="ros_gz_bridge" plugin="ros_gz_bridge::RosGzBridge" {given}
+  </composable_node></node_container></launch>"""
+IN_PARAMETERS = """<param name="bridge_names" value="[a, b]" type="list[str]"/>
+<param name="bridges"><param name="{first}">
+<param name="ros_topic_name" value="tool"/><param name="gz_topic_name" value="/world/tool"/>
+<param name="ros_type_name" value="std_msgs/msg/Bool"/>
+<param name="gz_type_name" value="gz.msgs.Boolean"/>
+<param name="direction" value="ROS_TO_GZ"/></param></param>
+<param name="bridges.b.topic_name" value="/clock"/>
+<param name="bridges.b.ros_type_name" value="rosgraph_msgs/msg/Clock"/>"""
+
+
+def test_a_bridge_is_a_component_too(bridged):
+    given = 'namespace="r"><param name="config_file" value="$(find-pkg-share sim)/bridge.yaml"/>'
+    graph = bridged(given, LOADED)
+    assert "/r/ros_gz_bridge" in {node.name for node in graph.nodes}
+    assert ends(graph) == CARRIED
+    assert graph.unresolved == ()
+
+
+def test_a_component_bridge_has_the_name_and_the_remaps_of_its_launch(bridged):
+    given = 'name="b"><param name="config_file" value="$(find-pkg-share sim)/bridge.yaml"/>'
+    graph = bridged(given + '<remap from="cmd_vel" to="moved"/>', LOADED)
+    assert "/b" in {node.name for node in graph.nodes}
+    assert "< /moved geometry_msgs/msg/Twist" in ends(graph)
+
+
+@pytest.mark.parametrize("launch", [BRIDGE, LOADED])
+def test_a_bridge_carries_what_its_parameters_say(bridged, launch):
+    graph = bridged('namespace="r">' + IN_PARAMETERS.format(first="a"), launch)
+    assert ends(graph) == {"< /r/tool std_msgs/msg/Bool"}
+    (note,) = graph.unresolved
+    assert note.why == "the bridge refuses an entry without ros_type_name and gz_type_name"
+
+
+def test_a_bridge_offers_services(bridged):
+    graph = bridged(
+        'name="b" args="/world/control@ros_gz_interfaces/srv/ControlWorld'
+        ' /other@ros_gz_interfaces/srv/ControlWorld@gz.msgs.WorldControl@gz.msgs.Boolean">'
+    )
+    offered = {(s.name, s.type) for s in graph.services if not s.implicit}
+    assert offered == {
+        ("/world/control", "ros_gz_interfaces/srv/ControlWorld"),
+        ("/other", "ros_gz_interfaces/srv/ControlWorld"),
+    }
+    assert ends(graph) == set()
+
+
+REFUSED = {
+    "- no entry": "without ros_type_name",
+    "- {topic_name: a, ros_type_name: x/msg/A}": "without ros_type_name",
+    "- {topic_name: a, gz_topic_name: b, ros_type_name: x/msg/A, gz_type_name: A}": "another name",
+    "- {topic_name: a, ros_type_name: x/msg/A, gz_type_name: A, direction: BACK}": "direction BACK",
+}
+
+
+@pytest.mark.parametrize("entry", REFUSED)
+def test_what_the_bridge_refuses_is_noted(bridged, tmp_path, entry):
+    (tmp_path / "sim" / "odd.yaml").write_text(entry)
+    graph = bridged('name="b"><param name="config_file" value="$(find-pkg-share sim)/odd.yaml"/>')
+    assert ends(graph) == set()
+    assert [REFUSED[entry] in note.why for note in graph.unresolved] == [True]
 
 
 def test_a_bridge_carries_what_its_arguments_say_and_is_remapped(bridged):

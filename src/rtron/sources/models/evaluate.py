@@ -41,7 +41,7 @@ def interface(
     Names are absolute and not remapped; only what a library derives from a name that it has
     resolved itself (`IMAGE/compressed`) follows `site.remaps`.
     """
-    site = ros2_site(model, site) if site.ros > 1 else site
+    site = ros2_site(model.name, site) if site.ros > 1 else site
     standard = {"node": site.name, "args": list(site.args)}
     scope = scope_at(site).having({**standard, **(variables or {})})
     return _interface_in(model, scope, models or load_models())

@@ -5,18 +5,20 @@ from dataclasses import replace
 
 from rtron.sources.declaration import NodeSite
 from rtron.sources.models.expressions import Expressions
-from rtron.sources.models.form import Model
 from rtron.sources.models.scope import scope_at
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import rules_in
 
 
-def ros2_site(model: Model, site: NodeSite) -> NodeSite:
-    """Return a site with its own remap rules, and the node's own name if its launch gives none."""
+def ros2_site(own_name: str, site: NodeSite) -> NodeSite:
+    """Return a site with its own remap rules, and the node's own name if its launch gives none.
+
+    The own name is a template, as a model has it.
+    """
     site = replace(site, remaps=(*rules_in(shlex.join(site.args), ros=False), *site.remaps))
-    if not model.name or _is_named(site):
+    if not own_name or _is_named(site):
         return site
-    own = Expressions(scope_at(site)).text(model.name)
+    own = Expressions(scope_at(site)).text(own_name)
     return replace(site, name=canonical_name(f"{site.name.rpartition('/')[0]}/{own}"))
 
 

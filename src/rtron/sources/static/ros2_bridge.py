@@ -1,18 +1,19 @@
-"""The bridge between ROS 2 and Gazebo: its topics are in a YAML file or among its arguments.
+"""The bridge between ROS 2 and Gazebo: what its YAML file, parameters and arguments let it carry.
 
-Source: the README of ros_gz_bridge.
+Source: the README of ros_gz_bridge; what it refuses, its src/bridge_config.cpp.
 """
 
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
 from rtron.sources.launch.yaml_text import YamlLeaf, parse_yaml
 from rtron.sources.static.ros2_given import given_value
-from rtron.vocabulary import Evidence, Resolution, Unresolved
+from rtron.vocabulary import Evidence, ParameterValue, Resolution, Unresolved
 from rtron.vocabulary.remap_rules import expanded
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
@@ -20,51 +21,79 @@ _BOTH = (_PUBLISH, _SUBSCRIBE)
 _WAYS = {"GZ_TO_ROS": (_PUBLISH,), "ROS_TO_GZ": (_SUBSCRIBE,), "BIDIRECTIONAL": _BOTH}
 _SIGNS = {"[": (_PUBLISH,), "]": (_SUBSCRIBE,), "@": _BOTH}
 _ARGUMENT = re.compile(r"([^@\[\]]+)@([^@\[\]]+)([@\[\]])[^@\[\]]+")
-_FILE = "config_file"
+_SERVICE = re.compile(r"([^@\[\]]+)@([^@\[\]]+/srv/[^@\[\]]+)(@[^@\[\]]+@[^@\[\]]+)?")
+_FILE, _NAMES = "config_file", "bridge_names"
+_KEYS = ("topic_name", "ros_topic_name", "gz_topic_name", "ros_type_name", "gz_type_name")
+_TYPES = _KEYS[3:]
+_Placed: TypeAlias = tuple[Mapping[str, object], tuple[Evidence, ...]]
 
 
 def bridge(site: NodeSite, place: Evidence, files: WorkspaceFiles) -> NodeInterface:
-    """Return the topics that a bridge carries; a file that cannot be read is noted."""
-    declared = [*_of_arguments(site, place)]
+    """Return the topics that a bridge carries; what cannot be read, or is refused, is noted."""
+    entries: list[_Placed] = [(entry, (place,)) for entry in _of_parameters(site)]
+    notes: list[Unresolved] = []
     path = given_value(site, site.name, _FILE)
-    if path is None:
-        return NodeInterface(declarations=tuple(declared))
     try:
-        declared += _of_file(str(path), site, place, files)
+        read = list(_of_file(str(path), files)) if path is not None else []
+        entries += [(entry, (place, Evidence(file=str(path)))) for entry in read]
     except InputError as error:
-        note = Unresolved(what=f"topics of {site.name}", why=str(error), evidence=(place,))
-        return NodeInterface(declarations=tuple(declared), unresolved=(note,))
-    return NodeInterface(declarations=tuple(declared))
+        notes.append(_note(site, str(error), place))
+    notes += [_note(site, fault, *places) for entry, places in entries for fault in _faults(entry)]
+    carried = (d for e, places in entries if not any(_faults(e)) for d in _of(e, site, *places))
+    declared = (*_of_arguments(site, place), *carried)
+    return NodeInterface(declarations=declared, unresolved=tuple(notes))
+
+
+def _note(site: NodeSite, why: str, *places: Evidence) -> Unresolved:
+    return Unresolved(what=f"topics of {site.name}", why=why, evidence=places)
 
 
 def _of_arguments(site: NodeSite, place: Evidence) -> Iterator[Declaration]:
     for word in site.args:
-        found = _ARGUMENT.fullmatch(word)
-        for kind in _SIGNS[found[3]] if found else ():
-            yield _declared(kind, site, found[1], found[2], place)  # type: ignore[index]
+        service, topic = _SERVICE.fullmatch(word), _ARGUMENT.fullmatch(word)
+        if service:
+            yield _declared(DeclarationKind.SERVICE, site, service[1], service[2], place)
+        for kind in _SIGNS[topic[3]] if topic and not service else ():
+            yield _declared(kind, site, topic[1], topic[2], place)  # type: ignore[index]
 
 
-def _of_file(
-    path: str, site: NodeSite, place: Evidence, files: WorkspaceFiles
-) -> Iterator[Declaration]:
+def _of_parameters(site: NodeSite) -> Iterator[Mapping[str, object]]:
+    """Yield the entries that `bridges.NAME.KEY` makes for each of `bridge_names`."""
+    names = given_value(site, site.name, _NAMES)
+    for name in names if isinstance(names, (list, tuple)) else ():
+        found = {key: _below(site, name, key) for key in (*_KEYS, "direction")}
+        yield {key: value for key, value in found.items() if value is not None}
+
+
+def _below(site: NodeSite, name: object, key: str) -> ParameterValue | None:
+    return given_value(site, site.name, f"bridges.{name}.{key}")
+
+
+def _of_file(path: str, files: WorkspaceFiles) -> Iterator[Mapping[str, object]]:
     text = files.text(Path(path))
     if text is None:
         raise InputError("is not in the folders that are read", path=path)
     for document in parse_yaml(text, path).documents:
         entries = document.value if isinstance(document, YamlLeaf) else []
         for entry in entries if isinstance(entries, list) else []:
-            if isinstance(entry, Mapping):
-                yield from _of_entry(entry, site, place, Evidence(file=path))
+            yield entry if isinstance(entry, Mapping) else {}
 
 
-def _of_entry(
-    entry: Mapping[str, object], site: NodeSite, *places: Evidence
-) -> Iterator[Declaration]:
-    names = (entry.get(key) for key in ("ros_topic_name", "topic_name", "gz_topic_name"))
+def _faults(entry: Mapping[str, object]) -> Iterator[str]:
+    """Yield why the bridge refuses an entry."""
+    if any(entry.get(key) in {None, ""} for key in _TYPES):
+        yield f"the bridge refuses an entry without {' and '.join(_TYPES)}"
+    if entry.get("topic_name") and (entry.get("ros_topic_name") or entry.get("gz_topic_name")):
+        yield "the bridge refuses an entry with topic_name and another name"
+    if str(entry.get("direction", "BIDIRECTIONAL")) not in _WAYS:
+        yield f"the bridge knows no direction {entry['direction']}"
+
+
+def _of(entry: Mapping[str, object], site: NodeSite, *places: Evidence) -> Iterator[Declaration]:
+    names = (entry.get(key) for key in ("topic_name", "ros_topic_name", "gz_topic_name"))
     name = next((str(name) for name in names if name), "{?}")
-    type = str(entry.get("ros_type_name", ""))
-    for kind in _WAYS.get(str(entry.get("direction", "BIDIRECTIONAL")), _BOTH):
-        yield _declared(kind, site, name, type, *places)
+    for kind in _WAYS[str(entry.get("direction", "BIDIRECTIONAL"))]:
+        yield _declared(kind, site, name, str(entry["ros_type_name"]), *places)
 
 
 def _declared(

@@ -10,19 +10,22 @@ from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.declaration import (
     Declaration,
     DeclarationKind,
+    MadeNode,
     NodeInterface,
     NodeSite,
     plain_value,
 )
 from rtron.sources.launch2.parameters import names as covers
 from rtron.sources.models import Model
+from rtron.sources.models.site2 import ros2_site
 from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_bridge import bridge
 from rtron.sources.static.ros2_given import given_value
 from rtron.sources.static.ros2_started import CONTAINERS
 from rtron.vocabulary import NodeParameter
 
-_BRIDGE = ("ros_gz_bridge", "parameter_bridge")
+_BRIDGE = "ros_gz_bridge"
+_BRIDGES = ("parameter_bridge", "ros_gz_bridge::RosGzBridge")
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _TOPICS = (
     (_PUBLISH, "rosout", "rcl_interfaces/msg/Log"),
@@ -44,7 +47,7 @@ def with_known(part: Part, files: WorkspaceFiles) -> Part:
         topics = (d for d in _topics(part, node.name) if (d.kind, d.name) != _EVENTS)
         interface = NodeInterface(declarations=(*topics, *services))
         return replace(part, interface=interface)
-    if part.task is None and (node.package, node.type) == _BRIDGE:
+    if part.task is None and node.package == _BRIDGE and node.type in _BRIDGES:
         return replace(part, interface=_bridge(part, files))
     if part.model is not None:
         return replace(part, interface=_modelled(part, part.model))
@@ -80,12 +83,11 @@ def _parameters(site: NodeSite, names: list[str]) -> Iterator[NodeParameter]:
 
 def _bridge(part: Part, files: WorkspaceFiles) -> NodeInterface:
     """Return what the bridge declares; it calls itself like its package."""
-    site = part.node.site
-    space = site.name.rpartition("/")[0]
-    name = site.name if site.named else f"{space}/{_BRIDGE[0]}"
-    own = bridge(replace(site, name=name), part.node.evidence, files)
-    implied = (*_topics(part, name), *_services(part, name, _EVERY))
-    return replace(own, declarations=(*own.declarations, *implied))
+    site = ros2_site(_BRIDGE, part.node.site)
+    own = bridge(site, part.node.evidence, files)
+    implied = (*_topics(part, site.name), *_services(part, site.name, _EVERY))
+    made = MadeNode(name=site.name, remaps=site.remaps)
+    return replace(own, nodes=(made,), declarations=(*own.declarations, *implied))
 
 
 def _topics(part: Part, name: str, *, python: bool = False) -> Iterator[Declaration]:
