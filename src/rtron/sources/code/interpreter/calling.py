@@ -9,6 +9,7 @@ from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.iterators import item_at
 from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.mutation import mutate
+from rtron.sources.code.interpreter.throwing import call_may_throw, logs
 from rtron.sources.code.interpreter.values import (
     Choice,
     ClassValue,
@@ -43,12 +44,18 @@ def call(machine: Machine, node: Call, frame: Frame) -> Value:
         changed = mutate(machine, node, frame)
         if changed is not None:
             return changed
+    before = machine.doubts
     called = machine.evaluate(node.function, frame)
+    if logs(node):
+        machine.doubts = before
     arguments = _arguments(machine, node, frame)
     if isinstance(node.function, Attr) and isinstance(called, Hole):
         machine.asked.add(node.function.name)
         _note_unknown(machine, node.function.name, arguments)
-    return dispatch(machine, called, arguments)
+    returned = dispatch(machine, called, arguments)
+    if machine.catching and not logs(node) and call_may_throw(called, arguments, returned):
+        machine.doubts += 1
+    return returned
 
 
 def _note_unknown(machine: Machine, name: str, arguments: Arguments) -> None:
@@ -77,6 +84,7 @@ def _dispatch_each(machine: Machine, called: Choice, arguments: Arguments) -> Va
             thrown = error
     if thrown is not None and not found:
         raise thrown
+    machine.doubts += thrown is not None
     return join(found)
 
 

@@ -3,6 +3,7 @@
 Where a condition is decided, one side runs; where it is not, both do, from the same state. Loops
 over what is known are unrolled; others run once, with what they change made unknown. What is
 called by a library nobody sees (callbacks, threads, virtual methods) runs after the program.
+`doubts` counts what may have thrown while a `try` runs.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,6 +15,7 @@ from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.frame import Frame
 from rtron.sources.code.interpreter.overloads import choose
 from rtron.sources.code.interpreter.recorder import Recorder
+from rtron.sources.code.interpreter.throwing import may_fail, may_throw
 from rtron.sources.code.interpreter.trail import Trail
 from rtron.sources.code.interpreter.values import (
     OPEN,
@@ -89,6 +91,7 @@ class Machine:
     joining_at: int = 0
     ran: set[tuple[str, int, str]] = field(default_factory=set)
     catching: list[tuple[str, ...]] = field(default_factory=list)
+    doubts: int = 0
     discovering: int = 0
     matters: Callable[["Machine", Function], bool] = lambda machine, function: True
     _steps: int = 0
@@ -106,7 +109,10 @@ class Machine:
         self._steps += 1
         if self._steps > self._limit:
             raise StepsExceededError
-        return self.evaluators[type(node)](self, node, frame)
+        value = self.evaluators[type(node)](self, node, frame)
+        if self.catching and may_throw(node, value, dynamic=not self.world.by_reference):
+            self.doubts += 1
+        return value
 
     def execute(self, block: tuple[Stmt, ...], frame: Frame) -> Outcome:
         """Run statements until one ends the block."""
@@ -114,6 +120,8 @@ class Machine:
             self._steps += 1
             if self._steps > self._limit:
                 raise StepsExceededError
+            if self.catching and may_fail(statement, dynamic=not self.world.by_reference):
+                self.doubts += 1
             outcome = self.executors[type(statement)](self, statement, frame)
             if outcome is not None:
                 return outcome
@@ -125,6 +133,7 @@ class Machine:
             called = called.chosen(choose(called.overloads, arguments))
         function = called.function
         if function.body is None or not self._may_enter(function):
+            self.doubts += 1
             self._note_left(function, arguments)
             return Hole(f"{function.name}()", type=function.returns)
         self.hand_on(arguments)
@@ -134,6 +143,7 @@ class Machine:
         except ThrownError:
             if not frame.returns:
                 raise
+            self.doubts += 1
             ended = True
         if not ended:
             return Hole(f"{function.name}()", type=function.returns)
@@ -154,6 +164,7 @@ class Machine:
             del self._stack[depth:]
             if self._limit == outer:
                 raise
+            self.doubts += 1
             return False
         finally:
             self._limit = outer

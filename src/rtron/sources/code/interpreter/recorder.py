@@ -1,5 +1,7 @@
 """Collects what a program declares while it is interpreted."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -43,6 +45,8 @@ class Recorder:
     _declarations: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(
         default_factory=dict
     )
+    _handling: int = 0
+    _caught: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(default_factory=dict)
     _nodes: dict[str, MadeNode] = field(default_factory=dict)
     _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     _starts: dict[StartedLaunch, None] = field(default_factory=dict)
@@ -98,6 +102,15 @@ class Recorder:
         self.unresolved(f"{end[0].value} {name} of {end[2]}", why, evidence[0])
         return kept
 
+    @contextmanager
+    def in_handler(self) -> Iterator[None]:
+        """Record what only an exception handler declares, which may be reached or not."""
+        self._handling += 1
+        try:
+            yield
+        finally:
+            self._handling -= 1
+
     def node(self, made: MadeNode) -> None:
         """Record a node that the process makes."""
         if not self.muted and len(self._nodes) < MAX_DECLARATIONS:
@@ -134,6 +147,10 @@ class Recorder:
 
     def result(self) -> NodeInterface:
         """Return all that was recorded."""
+        for caught in self._caught.values():
+            what = f"{caught.kind.value} {caught.name}"
+            why = "only an exception handler declares it, and whether that is reached is not known"
+            self.unresolved(what, why, caught.evidence[0])
         return NodeInterface(
             nodes=tuple(self._nodes.values()),
             declarations=tuple(self._declarations.values()),
@@ -146,6 +163,10 @@ class Recorder:
         if self.muted or len(self._declarations) >= MAX_DECLARATIONS:
             return
         key = (declared.kind, declared.name, declared.type, declared.node)
+        if not self._handling:
+            self._caught.pop(key, None)
+        elif key not in self._declarations and declared.evidence and not declared.implicit:
+            self._caught[key] = declared
         known = self._declarations.setdefault(key, declared)
         if known is not declared and declared.node and len(known.evidence) < MAX_PLACES:
             places = dict.fromkeys((*known.evidence, *declared.evidence))

@@ -44,6 +44,7 @@ def branch(machine: Machine, frame: Frame, blocks: tuple[tuple[Stmt, ...], ...])
             outcomes.append(machine.execute(block, frame))
         except ThrownError:
             outcomes.append("raise")
+        machine.doubts += outcomes[-1] == "raise"
         return outcomes[-1] is None
 
     machine.trail.either([partial(run, block) for block in blocks], frame.variables)
@@ -71,6 +72,7 @@ def _if(machine: Machine, node: If, frame: Frame) -> Outcome:
     decided = truth(machine.evaluate(node.test, frame))
     if decided is None:
         if machine.recorder.site.ros > 1 and not (effects(node.body) or effects(node.orelse)):
+            machine.doubts += 1
             return None
         return branch(machine, frame, (node.body, node.orelse))
     return machine.execute(node.body if decided else node.orelse, frame)
@@ -93,6 +95,7 @@ def _raise(machine: Machine, node: Raise, frame: Frame) -> Outcome:
     value = machine.evaluate(node.value, frame) if node.value is not None else None
     thrown = _thrown(machine, node.value, value)
     if not any(_catches(names, thrown) for names in machine.catching):
+        machine.doubts += 1
         return "raise"
     raise thrown
 
@@ -117,18 +120,28 @@ def _written(node: Expr | None) -> str:
 
 
 def _try(machine: Machine, node: Try, frame: Frame) -> Outcome:
+    before = machine.doubts
     thrown, outcome = _attempt(machine, node, frame)
+    doubted = machine.doubts > before
+    if any(_takes_all(names) for names, _, _ in node.handlers):
+        machine.doubts = before
     if thrown is None and outcome is None:
         outcome = machine.execute(node.orelse, frame)
     handlers = [b for names, _, b in node.handlers if thrown is None or _catches(names, thrown)]
     if handlers and (thrown is not None or outcome == "raise"):
         outcome = machine.execute(handlers[0], frame)
-    elif handlers and thrown is None:
-        branch(machine, frame, ((), *handlers))
+    elif handlers and thrown is None and doubted:
+        with machine.recorder.in_handler():
+            branch(machine, frame, ((), *handlers))
     ended = machine.execute(node.final, frame)
     if thrown is not None and not handlers:
         raise thrown
     return ended or outcome
+
+
+def _takes_all(names: tuple[str, ...]) -> bool:
+    """Tell whether a handler takes what may be thrown, whatever it is."""
+    return not names or not {"...", "Exception", "BaseException"}.isdisjoint(names)
 
 
 def _attempt(machine: Machine, node: Try, frame: Frame) -> tuple[ThrownError | None, Outcome]:

@@ -1,5 +1,6 @@
 """What the client libraries of ROS 2 declare: the same calls in both languages end here."""
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 
 from rtron.sources.code.interpreter.arguments import Arguments
@@ -21,6 +22,7 @@ from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Evidence, QoS
 
 MAX_CALLERS = 8
+_NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _SERVICE = DeclarationKind.SERVICE
@@ -64,6 +66,7 @@ def declare(  # noqa: PLR0913 - what the graph has of an endpoint
 ) -> Value:
     """Record a name of a node, and return it as it resolves there."""
     full = resolved(node, _named(name))
+    machine.doubts += not (type and _is_name(full))
     places = tuple(chain(at, name)) if name is not None else (at.evidence,)
     for owner in options(name_of(node)):
         machine.recorder.declare(
@@ -79,6 +82,11 @@ def declare(  # noqa: PLR0913 - what the graph has of an endpoint
             qos=qos,
         )
     return full
+
+
+def _is_name(full: Value) -> bool:
+    """Tell whether a name is certainly one that rcl takes (design.ros2.org: topic names)."""
+    return isinstance(full, Known) and bool(_NAME.fullmatch(str(full.value)))
 
 
 def _named(name: Value | None) -> Value | None:

@@ -9,6 +9,7 @@ from functools import lru_cache
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine, ThrownError
+from rtron.sources.code.interpreter.throwing import is_sure
 from rtron.sources.code.interpreter.values import (
     NONE,
     Choice,
@@ -49,6 +50,8 @@ def known(machine: Machine, node: Value, name: Value) -> Value | None:
 def read(machine: Machine, node: Value, name: Value) -> Value:
     """Return what is read of a parameter that has to be set; one that is declared only throws."""
     found = known(machine, node, name)
+    if found is None or not (is_sure(found) and is_declared(machine, node, name)):
+        machine.doubts += 1
     if is_unset(found) and machine.catching:
         raise ThrownError("ParameterUninitializedException", open=True)
     return Hole("parameter", tainted=True) if found is None else found
@@ -106,11 +109,20 @@ def short(machine: Machine, node: Value, name: str) -> str:
 def _declared(machine: Machine, node: Value, name: Value, default: Value | None) -> Value:
     key = _key(node, name)
     if key in machine.parameters:
+        machine.doubts += 1
         return machine.parameters[key]
     value = _overridden(machine, node, name, default)
     _told(machine, node, name, value)
+    machine.doubts += not _fits(value, default)
     machine.trail.set(machine.parameters, key, value)
     return value
+
+
+def _fits(value: Value, default: Value | None) -> bool:
+    """Tell whether a parameter's value is certainly of the type that it is declared with."""
+    if not (isinstance(value, Known) and isinstance(default, Known)):
+        return isinstance(value, ListValue) and value.items == getattr(default, "items", None)
+    return type(value.value) is type(default.value)
 
 
 def _told(machine: Machine, node: Value, name: Value, value: Value) -> None:
