@@ -18,6 +18,7 @@ NODES = [
     "controller_manager/spawner",
     "depthai_ros_driver/camera_node",
     "depthimage_to_laserscan/depthimage_to_laserscan_node",
+    "gazebo_ros/spawn_entity.py",
     "hls_lfcd_lds_driver/hlds_laser_publisher",
     "image_proc/rectify_node",
     "joint_state_publisher/joint_state_publisher",

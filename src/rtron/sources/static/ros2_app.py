@@ -21,6 +21,7 @@ from rtron.sources.static.ros2_assembly import Ros2Assembly
 from rtron.sources.static.ros2_controllers import ControllerNodes
 from rtron.sources.static.ros2_known import with_known
 from rtron.sources.static.ros2_scan import ros2_workspace
+from rtron.sources.static.ros2_simulation import GazeboNodes
 from rtron.sources.static.ros2_started import StartedNodes
 from rtron.sources.static.structure import workspace_state
 from rtron.sources.static.worker import deep_recursion
@@ -55,7 +56,8 @@ def scan_ros2_app(
     )
     assembly = Ros2Assembly(workspace=workspace)
     with closing(interpreting):
-        parts = interpreting.parts(nodes)
+        parts = list(interpreting.parts(nodes))
+        parts += GazeboNodes(models, files).parts(parts)
         for part in (*parts, *ControllerNodes(models, files).parts(parts)):
             assembly.add(with_known(part, files))
     assembly.note(*(note for launch in read for note in launch.unresolved))

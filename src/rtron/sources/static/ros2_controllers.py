@@ -7,18 +7,16 @@ later ones come with the spawner's `--controller-ros-args`.
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.code.reading import WorkspaceFiles
-from rtron.sources.declaration import NodeInterface, NodeSite, ParameterSetting
-from rtron.sources.launch2.parameter_file import entries_of, tree_of
+from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.sources.models import Models, interface
 from rtron.sources.models.arguments import option, positional
 from rtron.sources.models.form import NodeRole
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.part import Part
-from rtron.sources.static.ros2_given import given_value
+from rtron.sources.static.ros2_given import given_value, settings_of
 from rtron.vocabulary import Unresolved
 from rtron.vocabulary.remap_rules import Rule, expanded, rules_in
 
@@ -83,16 +81,8 @@ class ControllerNodes:
             name=expanded(name, manager),
             ros=2,
             environ=spawner.site.environ,
-            settings=(*settings, *(one for path in files for one in self._settings(path))),
+            settings=(*settings, *(one for path in files for one in settings_of(path, self.files))),
         )
-
-    def _settings(self, path: str) -> Iterator[ParameterSetting]:
-        text = self.files.text(Path(path))
-        if text is None:
-            raise InputError("is not in the folders that are read", path=path)
-        for node, values in entries_of(tree_of(text, path), path):
-            for name, found in values.items():
-                yield ParameterSetting(node=node, name=name, value=found.value)
 
 
 def _after(args: Iterable[str], options: Iterable[str]) -> list[str]:

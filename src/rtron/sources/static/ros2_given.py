@@ -1,6 +1,12 @@
-"""What a launch sets for a node of ROS 2."""
+"""What a launch, or a parameter file, sets for a node of ROS 2."""
 
-from rtron.sources.declaration import NodeSite
+from collections.abc import Iterator
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.declaration import NodeSite, ParameterSetting
+from rtron.sources.launch2.parameter_file import entries_of, tree_of
 from rtron.sources.launch2.parameters import names
 from rtron.vocabulary import ParameterValue
 
@@ -13,3 +19,13 @@ def given_value(site: NodeSite, node: str, parameter: str) -> ParameterValue | N
     if is_own:
         found += [value for name, value in site.overrides if name == parameter]
     return found[-1] if found else None
+
+
+def settings_of(path: str, files: WorkspaceFiles) -> Iterator[ParameterSetting]:
+    """Yield what a parameter file sets; raise InputError where it cannot be read."""
+    text = files.text(Path(path))
+    if text is None:
+        raise InputError("is not in the folders that are read", path=path)
+    for node, values in entries_of(tree_of(text, path), path):
+        for name, found in values.items():
+            yield ParameterSetting(node=node, name=name, value=found.value)

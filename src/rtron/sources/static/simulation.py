@@ -72,9 +72,9 @@ class Simulation:
         if model is None:
             part = replace(part, node=replace(server.node, evidence=plugin.evidence))
             return part.missing(f"Gazebo plugin {plugin.filename}", "no model of it")
-        element = _element(plugin, namespace)
+        element = plugin_element(plugin, namespace)
         interface = plugin_interface(model, server.node.site, element, self.models)
-        return replace(part, interface=_placed(interface, plugin.evidence))
+        return replace(part, interface=placed(interface, plugin.evidence))
 
     def _world(self, server: AppNode) -> tuple[GazeboPlugin, ...]:
         for word in own_arguments(server.site.args):
@@ -156,7 +156,8 @@ def _role(part: Part) -> NodeRole | None:
     return part.model.role if part.model else None
 
 
-def _element(plugin: GazeboPlugin, namespace: str) -> PluginElement:
+def plugin_element(plugin: GazeboPlugin, namespace: str) -> PluginElement:
+    """Return a plugin as its model sees it, with the namespace that its spawner gives."""
     sensor = plugin.sensor
     return PluginElement(
         filename=plugin.filename,
@@ -164,13 +165,14 @@ def _element(plugin: GazeboPlugin, namespace: str) -> PluginElement:
         values=plugin.values,
         sensor_name=sensor.name if sensor else "",
         sensor_type=sensor.type if sensor else "",
+        cameras=sensor.cameras if sensor else (),
         link_name=plugin.link,
         model_name=plugin.model,
         robot_namespace=namespace,
     )
 
 
-def _placed(interface: NodeInterface, place: Evidence) -> NodeInterface:
+def placed(interface: NodeInterface, place: Evidence) -> NodeInterface:
     """Return what a plugin declares, with the place of its element before the model's."""
     declarations = (replace(d, evidence=(place, *d.evidence)) for d in interface.declarations)
     return replace(interface, declarations=tuple(declarations))
