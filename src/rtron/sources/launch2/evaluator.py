@@ -11,15 +11,18 @@ from rtron.sources.launch2.bounds import Bounds
 from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.commands import Commands
 from rtron.sources.launch2.element import Element
-from rtron.sources.launch2.functions import Function, closed, said, truth
+from rtron.sources.launch2.functions import Function, closed, given, said, truth
 from rtron.sources.launch2.lookups import Lookups
+from rtron.sources.launch2.loops import loop_variable
 from rtron.sources.launch2.notes import Notes
+from rtron.sources.launch2.parameters import ALL
 from rtron.sources.launch2.pieces import hole
 from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.scope import Scope, Source
 from rtron.sources.launch2.substitution import MAX_LONG, Substitution, environment, variable
 from rtron.sources.launch2.view import View
 from rtron.sources.launch2.yaml_files import YamlFiles
+from rtron.vocabulary import UnknownValue
 from rtron.vocabulary.remap_rules import UNKNOWN, Rule
 
 
@@ -147,9 +150,27 @@ class Evaluator(Notes):
             "filename": lambda _: place.path,
             "anon": lambda words: f"{words[0]}_{UNKNOWN}",
             "config-equals": partial(_is_set_to, scope),
+            "for-var": loop_variable(scope.loops),
+            "index": loop_variable(scope.loops),
+            "param": partial(_shared, scope),
             "node-name": lambda words: scope.full_name(*words),
             **Lookups(self.environ, self.packages, self.symbolic, self.commands).functions(),
         }
+
+
+def _shared(scope: Scope, words: list[str]) -> str:
+    """Return a parameter for all nodes, the first of its name (launch_ros: Parameter)."""
+    name, *default = given(words, 1, 2)
+    entries = (entry for source in scope.parameters or () for entry in source.entries)
+    for pattern, values in entries:
+        if pattern == ALL and name in values:
+            value = values[name].value
+            if isinstance(value, UnknownValue):
+                raise UnresolvableError(value.why)
+            return str(value)
+    if not default:
+        raise UnresolvableError(f"no parameter '{name}' is set for all nodes")
+    return default[0]
 
 
 def _is_set_to(scope: Scope, words: list[str]) -> str:

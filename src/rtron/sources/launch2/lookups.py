@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.folders import is_there
+from rtron.sources.launch.commands import Cat
 from rtron.sources.launch.unresolvable import UnresolvableError
 from rtron.sources.launch2.commands import Commands
 from rtron.sources.launch2.functions import Function, closed, given
@@ -31,6 +32,7 @@ class Lookups:
             "exec-in-pkg": self._executable,
             "find-exec": lambda words: given(words, 1, 1)[0],
             "command": self._command,
+            "file-content": self._content,
         }
 
     def _share(self, words: list[str]) -> str:
@@ -51,6 +53,12 @@ class Lookups:
     def _executable(self, words: list[str]) -> str:
         executable, package = given(words, 2, 2)
         return f"{self._prefix([package])}/lib/{package}/{executable}"
+
+    def _content(self, words: list[str]) -> str:
+        path = closed(given(words, 1, 1)[0])
+        if not self.symbolic:
+            raise UnresolvableError(f"$(file-content {path[:80]}) is not read")
+        return self.commands.output(Cat(file=path))
 
     def _command(self, words: list[str]) -> str:
         command = given(words, 1, 2)[0]

@@ -19,6 +19,7 @@ from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.element import Element, parse_elements
 from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.guarded import GuardedNodes
+from rtron.sources.launch2.loops import LOOPS, NOT_KNOWN, OPEN_ROUND, rounds_of
 from rtron.sources.launch2.pieces import has_hole
 from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.scope import Scope
@@ -149,7 +150,10 @@ class Reader:
         said: bool | None,  # noqa: FBT001 - what its condition says
     ) -> None:
         read = self._readers.get(element.tag)
-        if read is not None:
+        if element.tag in LOOPS and self._evaluator.symbolic:
+            # A guarded launch has none: its nodes could not have remaps of their own.
+            self._loop(element, scope, place)
+        elif read is not None:
             read(element, scope, place)
         elif element.run is not None:
             view = self._evaluator.view(element, scope, place)
@@ -191,6 +195,20 @@ class Reader:
         for item in kept:
             inner.put(*item)
         self._actions((c for c in element.children if c.tag != "keep"), inner, place)
+
+    def _loop(self, element: Element, scope: Scope, place: Place) -> None:
+        """Read the children once for each round."""
+        text = self._evaluator.text(element, LOOPS[element.tag], scope, place) or ""
+        around, rounds = scope.loops, [OPEN_ROUND]
+        with self._evaluator.noting(element, place):
+            found = rounds_of(element.tag, element.plain("name"), text)
+            if found is None:
+                self._evaluator.note(element, place, NOT_KNOWN)
+            rounds = rounds if found is None else found
+        for values in rounds:
+            scope.loops = {**around, **values}
+            self._actions(element.children, scope, place)
+        scope.loops = around
 
     def _include(self, element: Element, scope: Scope, place: Place) -> None:
         spelled = self._evaluator.text(element, "file", scope, place)

@@ -29,7 +29,8 @@ class Scope:
     that it finds, so a group changes that of the scopes around it, if they have one already. So are
     `parameters` those of `set_parameter` and `set_parameters_from_file`.
     `unknown` are those that are set, to what is not known. `sources` tells of each that the
-    launch sets itself which arguments and variables decided its value.
+    launch sets itself which arguments and variables decided its value. `loops` are the values of
+    the round of each loop around, None for one that is not known.
     """
 
     configurations: dict[str, str] = field(default_factory=dict)
@@ -39,6 +40,7 @@ class Scope:
     doubtful: bool = False
     unknown: set[Source] = field(default_factory=set)
     sources: dict[Source, frozenset[Source]] = field(default_factory=dict)
+    loops: dict[str, str | None] = field(default_factory=dict)
     _puts: list[Source] = field(default_factory=list)
     _clears: int = 0
 
@@ -96,6 +98,7 @@ class Scope:
             doubtful=self.doubtful,
             unknown=set(self.unknown),
             sources=dict(self.sources),
+            loops=self.loops,
         )
 
     def renew(self, environ: Mapping[str, str]) -> None:

@@ -17,7 +17,7 @@ MAX_LONG = 65_536
 """The most for what only the graph asks for."""
 MAX_PRINTED = 2**20
 """The most that a command prints: a parameter may be the description of a robot."""
-_WHOLE = frozenset({"command", "var", "if"})
+_WHOLE = frozenset({"command", "file-content", "var", "if"})
 """What gives a text as it is, and may be longer where nothing stands beside it."""
 _MAX_DEPTH = 24
 _NAME = re.compile(r"[A-Za-z][\w-]*")

@@ -80,6 +80,13 @@ def _add(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
     return LIST["append"](machine, owner.fields[ENTITIES], added)
 
 
+def _path(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+    """`path / part`, as substitutions that make paths have it."""
+    parts = listed((owner, arguments.get(0) or NONE))
+    joined = Arguments(values=(parts,), line=arguments.line, frame=arguments.frame)
+    return _made("PathJoinSubstitution", machine, None, joined)
+
+
 def _perform(_: Machine, owner: Value, arguments: Arguments) -> Value:
     """`substitution.perform(context)`, and `condition.evaluate(context)`."""
     return _performed(arguments.get(0, "context"), owner)
@@ -105,15 +112,28 @@ def _same(_: Machine, __: object, arguments: Arguments) -> Value:
     return arguments.get(0) or NONE
 
 
-_METHODS: Mapping[str, Callable[..., Value]] = {
+_METHODS: dict[str, Callable[..., Value]] = {
     "add_action": _add,
     "add_entity": _add,
     "perform": _perform,
     "evaluate": _perform,
     "find": package_share,
 }
+_PATHS = {
+    "PathJoinSubstitution",
+    "PathSubstitution",
+    "FindPackage",
+    "FindPackagePrefix",
+    "FindPackageShare",
+    "LaunchLogDir",
+    "ThisLaunchFileDir",
+}
+"""The substitutions that make paths: they have the operator `/` in all distributions by now."""
 _TYPES: Mapping[str, NativeClass] = {
-    name: NativeClass(f"launch.{name}", methods=dict(_METHODS)) for name in CLASSES
+    name: NativeClass(
+        f"launch.{name}", methods=_METHODS | ({"operator/": _path} if name in _PATHS else {})
+    )
+    for name in CLASSES
 }
 LAUNCH_CONTEXT = NativeClass(
     "launch.LaunchContext", methods={"perform_substitution": _perform_given}

@@ -127,6 +127,7 @@ BUILDERS: Mapping[str, Build] = {
     "RegisterEventHandler": _handler,
     "ResetEnvironment": _named("reset_env"),
     "ResetLaunchConfigurations": _reset,
+    "ROSTimer": _timer,
     "RosTimer": _timer,
     "SetEnvironmentVariable": _plain("set_env", name="name", value="value"),
     "SetLaunchConfiguration": _plain("let", name="name", value="value"),

@@ -17,15 +17,12 @@ from rtron.sources.code.interpreter.values import (
     Value,
 )
 from rtron.sources.code.natives.names import value_of
-from rtron.sources.launch.yaml_text import plain
 from rtron.sources.launch2.element import Element
-from rtron.sources.launch2.parameter_file import tree_of
-from rtron.sources.launch2.pieces import has_hole
+from rtron.sources.launch2.loops import NOT_KNOWN, numbers_of, rows_of
 from rtron.sources.launch2.python.texts import Fields, Texts
 from rtron.sources.launch2.scope import Source
 from rtron.sources.launch2.view import View
 
-MAX_ROUNDS = 128
 Make = Callable[[Value], tuple[Element, ...]]
 Called = Callable[[View], tuple[Element, ...]]
 
@@ -88,19 +85,17 @@ class Functions:
     def _rounds(
         self, fields: Fields, view: View
     ) -> Iterable[tuple[tuple[Value, ...], dict[str, Value]]]:
-        if "iterations" in fields:
-            count = view.perform(self.texts.pieces(fields["iterations"]))
-            if has_hole(count) or not count.strip().isdigit():
-                view.note("how often it runs is not known, it is read as if once")
-                return [((Hole("i"),), {})]
-            return [((Known(at),), {}) for at in range(min(int(count), MAX_ROUNDS))]
-        text = view.perform(self.texts.pieces(fields.get("input_values")))
-        rows = [tree_of(row, "") for row in text.split(";")[:MAX_ROUNDS] if row.strip()]
-        return [((), _named(plain(row))) for row in rows]
-
-
-def _named(row: object) -> dict[str, Value]:
-    return {key: value_of(value) for key, value in row.items()} if isinstance(row, dict) else {}
+        if "length" in fields:
+            numbers = numbers_of(view.perform(self.texts.pieces(fields["length"])))
+            if numbers is None:
+                view.note(NOT_KNOWN)
+                return [((), {"i": Hole("i")})]
+            return [((), {"i": Known(at)}) for at in numbers]
+        rows = rows_of(view.perform(self.texts.pieces(fields.get("input_values"))))
+        if rows is None:
+            view.note(NOT_KNOWN)
+            return [((), {})]
+        return [((), {key: value_of(value) for key, value in row.items()}) for row in rows]
 
 
 def _known(context: Instance) -> dict[object, Value]:

@@ -139,6 +139,7 @@ def _as_bool(texts: Texts, fields: Fields, _: Instance, depth: int) -> Call:
 
 _TEXT = {
     "TextSubstitution": "text",
+    "PathSubstitution": "path",
     "ParameterFile": "param_file",
     "ParameterValue": "value",
     "IfCondition": "predicate_expression",
@@ -153,6 +154,9 @@ _CALLS: Mapping[str, Callable[[Texts, Fields, Instance, int], Call]] = {
     "Command": _call("command", "command"),
     "FileContent": _call("file-content", "path"),
     "FindExecutable": _call("find-exec", "name"),
+    "ForEachVar": _call("for-var", "name", "default_value"),
+    "ForLoopIndex": _call("index", "name"),
+    "Parameter": _call("param", "name", "default"),
     "ThisLaunchFile": _call("filename"),
     "ThisLaunchFileDir": _call("dirname"),
     "LaunchLogDir": _call("log_dir"),
@@ -176,4 +180,3 @@ _CALLS: Mapping[str, Callable[[Texts, Fields, Instance, int], Call]] = {
     ),
     "LaunchConfigAsBool": _as_bool,
 }
-SUBSTITUTIONS = frozenset(_CALLS) | {"TextSubstitution"}
