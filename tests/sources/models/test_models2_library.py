@@ -304,6 +304,13 @@ def test_arguments_that_the_client_library_takes_are_not_the_nodes():
     assert ends == {("subscribe", "/in"), ("publish", "/out")}
 
 
+def test_a_spawner_is_called_like_its_first_controller():
+    words = "--controller-manager-timeout 10 -c /cm arm hand"
+    model = MODELS.node("controller_manager", "spawner")
+    found = interface(model, site2("/ns/spawner", args=words, named=False), models=MODELS)
+    assert [node.name for node in found.nodes] == ["/ns/spawner_arm"]
+
+
 TOOLS = {
     ("relay", "/in"): ["/in", "/sent"],
     ("relay", "/in out"): ["/in", "/ns/out"],

@@ -99,6 +99,27 @@ def test_a_bridge_carries_what_its_parameters_say(bridged, launch):
     assert note.why == "the bridge refuses an entry without ros_type_name and gz_type_name"
 
 
+REPLACED = """from launch import LaunchDescription
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+from nav2_common.launch import ReplaceString
+def generate_launch_description():
+    file = ReplaceString([FindPackageShare('sim'), '/named.yaml'], {'<robot>': 'r2'})
+    return LaunchDescription([Node(package='ros_gz_bridge', executable='parameter_bridge',
+        name='b', parameters=[{'config_file': file}])])
+"""
+
+
+def test_a_bridge_carries_what_the_launch_makes_of_a_file(bridged, tmp_path):
+    top = tmp_path / "sim"
+    (top / "named.yaml").write_text(TOPICS.replace("cmd_vel", "<robot>/cmd_vel"))
+    (top / "app.launch.py").write_text(REPLACED)
+    launches = [(top / "app.launch.py", {})]
+    graph = scan_ros2_app([top], launches, {}, ScanOptions(workers=1))
+    assert "< /r2/cmd_vel geometry_msgs/msg/Twist" in ends(graph)
+    assert graph.unresolved == ()
+
+
 def test_a_bridge_offers_services(bridged):
     graph = bridged(
         'name="b" args="/world/control@ros_gz_interfaces/srv/ControlWorld'

@@ -21,6 +21,7 @@ XACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
       <plugin name="laser" filename="libgazebo_ros_ray_sensor.so">
         <ros><remapping>~/out:=scan</remapping></ros>
         <output_type>sensor_msgs/LaserScan</output_type>
+        <output_type>sensor_msgs/LaserScan</output_type>
       </plugin>
     </sensor>
     <sensor type="depth" name="eye">

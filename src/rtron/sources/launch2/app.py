@@ -50,6 +50,7 @@ def read_app_launch(
         arguments=tuple(starts.arguments),
         includes=tuple(starts.includes[0]),
         unresolved=tuple(evaluator.unresolved),
+        made=evaluator.files.made,
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from rtron.sources.launch.yaml_text import YamlTree
 from rtron.sources.launch2.parameters import ParameterSource, given_parameters, loaded_parameters
 from rtron.vocabulary import Evidence, Unresolved, Word
 from rtron.vocabulary.parameters import Parameter
@@ -95,9 +96,11 @@ class AppLaunch:
     """What a launch file starts, in the order of starting, with all that it includes.
 
     `arguments` are those that the file itself declares; `unresolved` is what could not be read.
+    `made` are the files that exist only while the launch runs, by what they are called.
     """
 
     file: str
+    made: Mapping[str, YamlTree] = field(default_factory=dict)
     starts: tuple[Start, ...] = ()
     arguments: tuple[Argument, ...] = ()
     includes: tuple[Included, ...] = ()

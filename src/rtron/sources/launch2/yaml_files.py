@@ -19,6 +19,11 @@ class YamlFiles:
     _entries: dict[str, Entries] = field(default_factory=dict)
     _made: int = 0
 
+    @property
+    def made(self) -> dict[str, YamlTree]:
+        """The files that the launch makes, by what they are called."""
+        return {path: tree for path, tree in self._trees.items() if "#" in path}
+
     def read(self, path: str) -> YamlTree:
         """Return a file; raise InputError for one that is not there, or no YAML."""
         if path not in self._trees:

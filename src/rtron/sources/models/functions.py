@@ -71,9 +71,11 @@ def _search(scope: Scope, name: str, default: Value = None) -> Value:
 
 
 def _value(scope: Scope, name: str, default: Value = None) -> Value:
+    """Return what a plugin's element holds, the first of its name (sdformat: GetElement)."""
     tree: Value = scope.variables.get("values", {})
     for part in name.split("/"):
         tree = tree.get(part) if isinstance(tree, Mapping) else None
+    tree = tree[0] if isinstance(tree, list) else tree
     if tree is None:
         return default
     return tree.strip() if isinstance(tree, str) and not isinstance(tree, Hole) else tree

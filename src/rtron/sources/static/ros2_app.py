@@ -1,11 +1,13 @@
 """From folders and launch files of ROS 2 to the interaction graph of the app that they start."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.launch.yaml_text import YamlTree
 from rtron.sources.launch2.app import read_app_launch
 from rtron.sources.launch2.executed.execution import Execution
 from rtron.sources.launch2.executed.lines import with_lines
@@ -55,11 +57,12 @@ def scan_ros2_app(
         models=models,
     )
     assembly = Ros2Assembly(workspace=workspace)
+    made = _made(read)
     with closing(interpreting):
         parts = list(interpreting.parts(nodes))
         parts += GazeboNodes(models, files).parts(parts)
         for part in (*parts, *ControllerNodes(models, files).parts(parts)):
-            assembly.add(with_known(part, files))
+            assembly.add(with_known(part, files, made))
     assembly.note(*(note for launch in read for note in launch.unresolved))
     assembly.note(*started.notes.unresolved)
     return assembly.graph(Path(read[0].file).name.split(".")[0] if read else "")
@@ -96,6 +99,13 @@ def _executed(
         else launch
         for launch, (path, given) in zip(read, launches, strict=True)
     ]
+
+
+def _made(read: Sequence[AppLaunch]) -> dict[str, YamlTree]:
+    """Return the files that launches make, without those that two of them call the same."""
+    trees = [(path, tree) for launch in read for path, tree in launch.made.items()]
+    times = Counter(path for path, _ in trees)
+    return {path: tree for path, tree in trees if times[path] == 1}
 
 
 def _check_told(launch: AppLaunch) -> None:

@@ -11,7 +11,7 @@ from typing import TypeAlias
 from rtron.errors import InputError
 from rtron.sources.code.reading import WorkspaceFiles
 from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
-from rtron.sources.launch.yaml_text import YamlLeaf, parse_yaml
+from rtron.sources.launch.yaml_text import YamlLeaf, YamlTree, parse_yaml
 from rtron.sources.static.ros2_given import given_value
 from rtron.vocabulary import Evidence, ParameterValue, Resolution, Unresolved
 from rtron.vocabulary.remap_rules import expanded
@@ -28,13 +28,18 @@ _TYPES = _KEYS[3:]
 _Placed: TypeAlias = tuple[Mapping[str, object], tuple[Evidence, ...]]
 
 
-def bridge(site: NodeSite, place: Evidence, files: WorkspaceFiles) -> NodeInterface:
-    """Return the topics that a bridge carries; what cannot be read, or is refused, is noted."""
+def bridge(
+    site: NodeSite, place: Evidence, files: WorkspaceFiles, made: Mapping[str, YamlTree]
+) -> NodeInterface:
+    """Return the topics that a bridge carries; what cannot be read, or is refused, is noted.
+
+    `made` are the files that the launch makes.
+    """
     entries: list[_Placed] = [(entry, (place,)) for entry in _of_parameters(site)]
     notes: list[Unresolved] = []
     path = given_value(site, site.name, _FILE)
     try:
-        read = list(_of_file(str(path), files)) if path is not None else []
+        read = list(_of_file(str(path), files, made)) if path is not None else []
         entries += [(entry, (place, Evidence(file=str(path)))) for entry in read]
     except InputError as error:
         notes.append(_note(site, str(error), place))
@@ -69,11 +74,14 @@ def _below(site: NodeSite, name: object, key: str) -> ParameterValue | None:
     return given_value(site, site.name, f"bridges.{name}.{key}")
 
 
-def _of_file(path: str, files: WorkspaceFiles) -> Iterator[Mapping[str, object]]:
-    text = files.text(Path(path))
-    if text is None:
+def _of_file(
+    path: str, files: WorkspaceFiles, made: Mapping[str, YamlTree]
+) -> Iterator[Mapping[str, object]]:
+    text = None if path in made else files.text(Path(path))
+    if text is None and path not in made:
         raise InputError("is not in the folders that are read", path=path)
-    for document in parse_yaml(text, path).documents:
+    documents = (made[path],) if text is None else parse_yaml(text, path).documents
+    for document in documents:
         entries = document.value if isinstance(document, YamlLeaf) else []
         for entry in entries if isinstance(entries, list) else []:
             yield entry if isinstance(entry, Mapping) else {}

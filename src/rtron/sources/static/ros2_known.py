@@ -1,6 +1,6 @@
 """Nodes of ROS 2 that are known without their source: containers, and the bridge to Gazebo."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from rtron.sources.code.natives.rclcpp_components import LOADING
@@ -15,6 +15,7 @@ from rtron.sources.declaration import (
     NodeSite,
     plain_value,
 )
+from rtron.sources.launch.yaml_text import YamlTree
 from rtron.sources.launch2.parameters import names as covers
 from rtron.sources.models import Model
 from rtron.sources.models.site2 import ros2_site
@@ -39,7 +40,7 @@ _EVENTS = (_PUBLISH, "/parameter_events")
 """A container does not have this, nor parameter services (rclcpp_components: ComponentManager)."""
 
 
-def with_known(part: Part, files: WorkspaceFiles) -> Part:
+def with_known(part: Part, files: WorkspaceFiles, made: Mapping[str, YamlTree]) -> Part:
     """Return the part of a node that is known, with what it declares; another one as it is."""
     node = part.node
     if node.package == CONTAINERS and not node.container:
@@ -48,7 +49,7 @@ def with_known(part: Part, files: WorkspaceFiles) -> Part:
         interface = NodeInterface(declarations=(*topics, *services))
         return replace(part, interface=interface)
     if part.task is None and node.package == _BRIDGE and node.type in _BRIDGES:
-        return replace(part, interface=_bridge(part, files))
+        return replace(part, interface=_bridge(part, files, made))
     if part.model is not None:
         return replace(part, interface=_modelled(part, part.model))
     return part
@@ -81,13 +82,13 @@ def _parameters(site: NodeSite, names: list[str]) -> Iterator[NodeParameter]:
             yield NodeParameter(node=node, name=name, value=plain_value(value))
 
 
-def _bridge(part: Part, files: WorkspaceFiles) -> NodeInterface:
+def _bridge(part: Part, files: WorkspaceFiles, made: Mapping[str, YamlTree]) -> NodeInterface:
     """Return what the bridge declares; it calls itself like its package."""
     site = ros2_site(_BRIDGE, part.node.site)
-    own = bridge(site, part.node.evidence, files)
+    own = bridge(site, part.node.evidence, files, made)
     implied = (*_topics(part, site.name), *_services(part, site.name, _EVERY))
-    made = MadeNode(name=site.name, remaps=site.remaps)
-    return replace(own, nodes=(made,), declarations=(*own.declarations, *implied))
+    node = MadeNode(name=site.name, remaps=site.remaps)
+    return replace(own, nodes=(node,), declarations=(*own.declarations, *implied))
 
 
 def _topics(part: Part, name: str, *, python: bool = False) -> Iterator[Declaration]:

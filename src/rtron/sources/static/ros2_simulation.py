@@ -15,6 +15,7 @@ from rtron.sources.gazebo import GazeboPlugin, plugins_of
 from rtron.sources.models import Models, plugin_interface
 from rtron.sources.models.arguments import option
 from rtron.sources.models.form import Model, NodeRole
+from rtron.sources.models.site2 import ros2_site
 from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_given import settings_of
 from rtron.sources.static.ros2_spawned import Spawned, spawned_by
@@ -42,7 +43,9 @@ class GazeboNodes:
         for spawner in parts:
             model = self.models.node(spawner.node.package, spawner.node.type)
             if model is not None and model.role is NodeRole.MODEL_SPAWNER:
-                yield from self._of(spawner, parts)
+                site = ros2_site(model.name, spawner.node.site)
+                named = replace(spawner, node=replace(spawner.node, site=site))
+                yield from self._of(named, parts)
 
     def _of(self, spawner: Part, parts: tuple[Part, ...]) -> Iterator[Part]:
         try:
