@@ -15,6 +15,10 @@ def names(text):
     [
         ("void f() {}", "f"),
         ("namespace x { void ns::Foo::bar() {} }", "x::ns::Foo::bar"),
+        ("namespace x { void x::Foo::bar() {} }", "x::Foo::bar"),
+        ("namespace y { namespace x { void x::Foo::bar() {} } }", "y::x::Foo::bar"),
+        ("namespace x { void x::Foo<a::b>::bar() {} }", "x::Foo::bar"),
+        ("namespace Foo { Foo::Foo() {} }", "Foo::Foo::Foo"),
         ("namespace a { namespace { void f(); } }", "a::f"),
         ("namespace a::b { void f() {} }", "a::b::f"),
         ("template <class T> Foo<T>::Foo() {}", "Foo::Foo"),

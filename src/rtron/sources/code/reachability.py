@@ -187,14 +187,21 @@ def _own_names(machine: Machine, instance: Value) -> set[str]:
 
 
 def _called(machine: Machine) -> Iterator[FunctionValue]:
-    """Yield the virtual methods that a library calls of objects, each once for each object."""
+    """Yield the virtual methods that a library calls of objects, each once for each object.
+
+    One that joins no nodes counts if one behind it does, which may ask what it has set.
+    """
     for instance in list(machine.instances):
+        waiting: list[FunctionValue] = []
         for name in _library_calls(machine, instance):
-            if (id(instance), name) not in machine.transitions:
-                machine.transitions.add((id(instance), name))
-                found = machine.world.attribute(instance, name, ())
-                if isinstance(found, FunctionValue) and joins_nodes(machine, found.function):
-                    yield found
+            if (id(instance), name) in machine.transitions:
+                continue
+            machine.transitions.add((id(instance), name))
+            found = machine.world.attribute(instance, name, ())
+            waiting += [found] if isinstance(found, FunctionValue) else []
+            if waiting and joins_nodes(machine, waiting[-1].function):
+                yield from waiting
+                waiting = []
 
 
 def _library_calls(machine: Machine, instance: Value) -> tuple[str, ...]:

@@ -28,6 +28,10 @@ class Interpreting:
     def parts(self, nodes: Sequence[AppNode]) -> list[Part]:
         """Return the parts of nodes, each with its interface."""
         parts = [part for node in nodes for part in parts_of(node, self.workspace, self.models)]
+        return self.finished(parts)
+
+    def finished(self, parts: Sequence[Part]) -> list[Part]:
+        """Return parts with their interfaces; one without a task or model stays as it is."""
         results = self._results([part.task for part in parts if part.task])
         return [self._with_interface(part, results) for part in parts]
 

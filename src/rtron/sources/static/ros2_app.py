@@ -61,7 +61,9 @@ def scan_ros2_app(
     with closing(interpreting):
         parts = list(interpreting.parts(nodes))
         parts += GazeboNodes(models, files).parts(parts)
-        for part in (*parts, *ControllerNodes(models, files).parts(parts)):
+        controllers = list(ControllerNodes(models, files).parts(parts))
+        own = interpreting.finished([part for part in controllers if part.task])
+        for part in (*parts, *(part for part in controllers if not part.task), *own):
             assembly.add(with_known(part, files, made))
     assembly.note(*(note for launch in read for note in launch.unresolved))
     assembly.note(*started.notes.unresolved)

@@ -17,9 +17,12 @@ from rtron.sources.models.form import NodeRole
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_given import given_value, settings_of
+from rtron.sources.static.task import Task, TaskKind
+from rtron.sources.workspace.plugin import PluginClass
 from rtron.vocabulary import Unresolved
 from rtron.vocabulary.remap_rules import Rule, expanded, rules_in
 
+_EXPORTED = "controller_interface"
 _MANAGER, _TYPE = "-c --controller-manager", "-t --controller-type"
 _FILES, _ARGUMENTS = ("-p", "--param-file"), ("--controller-ros-args",)
 _VALUED = (
@@ -61,6 +64,12 @@ class ControllerNodes:
             return _missing(spawner, name, str(error))
         args = spawner.node.site.args
         given = option(args, _TYPE) or given_value(site, manager, f"{name}.type")
+        task = self._task(given, site) if isinstance(given, str) else None
+        if task is not None:
+            rules = (*_rules(args), *(host.rules if host else ()))
+            node = replace(spawner.node, site=site, type=str(given), rules=rules)
+            node = replace(node, package=str(given).partition("/")[0])
+            return Part(node=node, owner=site.name, task=task)
         model = self.models.controller(given) if isinstance(given, str) else None
         if not isinstance(given, str) or model is None:
             return _missing(spawner, site.name, _why(given, manager, host))
@@ -73,6 +82,23 @@ class ControllerNodes:
         )
         found = replace(found, declarations=declared)
         return Part(node=node, owner=site.name, model=model, interface=found)
+
+    def _task(self, type: str, site: NodeSite) -> Task | None:
+        """Return the task of a controller whose source is in the workspace."""
+        found = self.files.workspace.plugin(type, _EXPORTED)
+        if found is None or found.program is None or not found.program.sources:
+            return None
+        return Task(
+            kind=TaskKind.COMPONENT,
+            sources=found.program.sources,
+            cls=found.declared.type,
+            definitions=found.program.definitions,
+            beside=tuple(c.type for c in self._all() if c.type != found.declared.type),
+            site=site,
+        )
+
+    def _all(self) -> tuple[PluginClass, ...]:
+        return self.files.workspace.plugins(_EXPORTED)
 
     def _site(self, name: str, manager: str, spawner: AppNode, host: AppNode | None) -> NodeSite:
         settings = host.site.settings if host else ()

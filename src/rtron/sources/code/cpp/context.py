@@ -1,5 +1,6 @@
 """What the lowering of one file carries: its bytes, what was found, and how deep it is."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -11,6 +12,7 @@ from rtron.sources.code.ir import Class, Function, Name, Problem, Stmt, TypeRef
 
 MAX_DEPTH = 90
 _MAX_PROBLEMS = 100
+_ARGUMENTS = re.compile(r"<.*>")
 
 
 class Template(NamedTuple):
@@ -62,9 +64,17 @@ class Context:
         return True
 
     def qualified(self, name: str) -> str:
-        """Return a name with the scope before it; `::name` is qualified already."""
+        """Return a name with the scope before it; `::name` is qualified already.
+
+        A namespace is found from within itself: in `a::b`, `b::C::f` is `a::b::C::f`. What has two
+        parts only may be a constructor of a class that is called like its namespace.
+        """
         if name.startswith("::"):
             return name[2:]
+        around, first = self.scope.split("::"), name.partition("::")[0]
+        if first in around and _ARGUMENTS.sub("", name).count("::") > 1:
+            outer = around[: len(around) - 1 - around[::-1].index(first)]
+            return "::".join((*outer, name))
         return f"{self.scope}::{name}" if self.scope else name
 
     def take_template(self) -> Template:

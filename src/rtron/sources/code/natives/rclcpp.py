@@ -2,6 +2,7 @@
 
 from rtron.sources.code.interpreter.values import Native, NativeClass, Value
 from rtron.sources.code.natives.rclcpp_components import COMPONENT_CLASSES
+from rtron.sources.code.natives.rclcpp_controllers import CONTROLLER_CLASSES
 from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT_FUNCTIONS
 from rtron.sources.code.natives.rclcpp_functions import FUNCTIONS
 from rtron.sources.code.natives.rclcpp_images import IMAGE_CLASSES, IMAGE_FUNCTIONS
@@ -22,6 +23,7 @@ RCLCPP_CLASSES: dict[str, NativeClass] = {
     **PLUGIN_CLASSES,
     **TREE_CLASSES,
     **COMPONENT_CLASSES,
+    **CONTROLLER_CLASSES,
 }
 RCLCPP_FUNCTIONS = {
     name: Native(name, call)

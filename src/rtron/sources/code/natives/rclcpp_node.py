@@ -75,6 +75,13 @@ def bare_options(machine: Machine, at: Arguments) -> Instance:
     return made
 
 
+def declaring_options(machine: Machine, at: Arguments) -> Instance:
+    """Return options by which all that is set is declared, as a controller's node has them."""
+    made = make_options(machine, Arguments(frame=at.frame))
+    made.fields |= {_AUTOMATIC: TRUE}
+    return made
+
+
 def loading_options(site: NodeSite) -> Instance:
     """Return the options that a component is made with (rclcpp_components).
 
