@@ -17,6 +17,7 @@ from rtron.sources.models.form import NodeRole
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_given import given_value, settings_of
+from rtron.sources.static.simulation import placed
 from rtron.sources.static.task import Task, TaskKind
 from rtron.sources.workspace.plugin import PluginClass
 from rtron.vocabulary import Unresolved
@@ -64,23 +65,18 @@ class ControllerNodes:
             return _missing(spawner, name, str(error))
         args = spawner.node.site.args
         given = option(args, _TYPE) or given_value(site, manager, f"{name}.type")
-        task = self._task(given, site) if isinstance(given, str) else None
-        if task is not None:
-            rules = (*_rules(args), *(host.rules if host else ()))
-            node = replace(spawner.node, site=site, type=str(given), rules=rules)
-            node = replace(node, package=str(given).partition("/")[0])
-            return Part(node=node, owner=site.name, task=task)
-        model = self.models.controller(given) if isinstance(given, str) else None
-        if not isinstance(given, str) or model is None:
+        if not isinstance(given, str):
             return _missing(spawner, site.name, _why(given, manager, host))
-        package = given.partition("/")[0]
         rules = (*_rules(args), *(host.rules if host else ()))
-        node = replace(spawner.node, site=site, package=package, type=given, rules=rules)
+        node = replace(spawner.node, site=site, type=given, rules=rules)
+        node = replace(node, package=given.partition("/")[0])
+        task, model = self._task(given, site), self.models.controller(given)
+        if task is not None:
+            return Part(node=node, owner=site.name, task=task)
+        if model is None:
+            return _missing(spawner, site.name, _why(given, manager, host))
         found = interface(model, replace(site, remaps=rules), models=self.models)
-        declared = tuple(
-            replace(d, evidence=(node.evidence, *d.evidence)) for d in found.declarations
-        )
-        found = replace(found, declarations=declared)
+        found = placed(found, node.evidence)
         return Part(node=node, owner=site.name, model=model, interface=found)
 
     def _task(self, type: str, site: NodeSite) -> Task | None:
