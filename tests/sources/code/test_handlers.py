@@ -28,6 +28,7 @@ DOUBTFUL_CPP = {
     "a function that may throw": "auto f = []() { who_knows(); }; f();",
     "an inner handler of something else": "try { who_knows(); } catch (const Mine & e) {}",
     "a type of somebody else's": "Device device(1);",
+    "a pointer or a future": "pending.get();",
     "a name that is none": 'create_publisher<std_msgs::msg::Bool>("a b", 1);',
 }
 CAUGHT = """ catch (const std::exception & e) {
@@ -100,6 +101,8 @@ DOUBTFUL_PYTHON = {
     "a member that is not there": "self.missing",
     "a key that is not there": "{'a': 1}['b']",
     "a division by zero": "1 / 0",
+    "a text and a number": "'a' + 1",
+    "a parameter of another type": "self.get_parameter('topic').value + 1",
     "a loop over what is not known": "for item in self.get_parameter('topic').value: pass",
     "an assertion": "assert self.who_knows",
     "a function that may throw": "(lambda: who_knows())()",

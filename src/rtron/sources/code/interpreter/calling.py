@@ -9,7 +9,7 @@ from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.iterators import item_at
 from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.mutation import mutate
-from rtron.sources.code.interpreter.throwing import call_may_throw, logs
+from rtron.sources.code.interpreter.throwing import call_may_throw, is_sure, logs
 from rtron.sources.code.interpreter.values import (
     Choice,
     ClassValue,
@@ -43,6 +43,7 @@ def call(machine: Machine, node: Call, frame: Frame) -> Value:
     if machine.world.by_reference:
         changed = mutate(machine, node, frame)
         if changed is not None:
+            machine.doubts += not is_sure(changed)
             return changed
     before = machine.doubts
     called = machine.evaluate(node.function, frame)

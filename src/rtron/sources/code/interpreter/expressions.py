@@ -13,6 +13,7 @@ from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.iteration import named
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.operations import binary, unary
+from rtron.sources.code.interpreter.throwing import fit
 from rtron.sources.code.interpreter.values import (
     OPEN,
     Choice,
@@ -92,6 +93,7 @@ def _binary(machine: Machine, node: Binary, frame: Frame) -> Value:
         places = (place_of(machine, node.right, frame),)
         arguments = Arguments(values=(right,), places=places, line=node.line, frame=frame)
         return dispatch(machine, overloaded, arguments)
+    machine.doubts += not (machine.world.by_reference or fit(node.operator, left, right))
     if node.operator == ">>" and machine.world.by_reference and not isinstance(left, Known):
         _read_into(machine, node.right, frame)
     if node.operator == "/" and machine.world.by_reference and _are_whole(left, right):

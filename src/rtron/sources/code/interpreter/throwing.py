@@ -2,7 +2,8 @@
 
 Counted is while a `try` runs, and nothing is trusted but what is listed here: an operation whose
 result is known did not throw; libraries' functions throw unless they are known not to, with these
-arguments. That memory runs out, or that somebody presses Ctrl+C, is left out.
+arguments. Left out is that memory runs out, that somebody presses Ctrl+C, or that a cast to a
+reference fails.
 """
 
 import re
@@ -40,6 +41,7 @@ from rtron.sources.code.ir import (
     Unary,
 )
 
+_EQUALITY = {"==", "!=", "is", "is not"}
 _LOGGING = {"debug", "info", "warn", "warning", "error", "fatal", "critical"}
 _MACRO = re.compile(r"(RCLCPP|ROS|RCUTILS)(_[A-Z0-9]+)+")
 _KINDS: dict[str, type] = {"as_string": str, "as_int": int, "as_double": float, "as_bool": bool}
@@ -65,6 +67,14 @@ def is_sure(value: Value) -> bool:
     if isinstance(value, (ListValue, MapValue)):
         return not value.open
     return not isinstance(value, (Hole, Foreign, Text))
+
+
+def fit(operator: str, left: Value, right: Value) -> bool:
+    """Tell whether Python's operator takes two values, as far as both are known."""
+    if operator in _EQUALITY or not (isinstance(left, Known) and isinstance(right, Known)):
+        return True
+    values = (left.value, right.value)
+    return None not in values and len({isinstance(value, str) for value in values}) == 1
 
 
 def may_throw(node: Expr, value: Value, *, dynamic: bool) -> bool:
