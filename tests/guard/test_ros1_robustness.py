@@ -211,14 +211,20 @@ def test_the_type_is_the_drivers_not_the_first_publishers(guard):
             assert heard(nav, driver, 1) == twist(1)
 
 
+class Liar(RawPublisher):
+    """A publisher that names a host that is none while it lies, from its first answer on."""
+
+    lies = True
+
+    def _request_topic(self, *_):
+        truth = super()._request_topic()
+        return [1, "", ["TCPROS", f"{'x' * 70}.example", 1]] if self.lies else truth
+
+
 def test_a_publisher_with_a_host_that_is_none_is_tried_again(guard):
-    liar = RawPublisher(guard.master, "/nav", NAV)
-    liar._slave.register_function(
-        lambda *_: [1, "", ["TCPROS", f"{'x' * 70}.example", 1]], "requestTopic"
-    )
-    with liar:
+    with Liar(guard.master, "/nav", NAV) as liar:
         wait_for(lambda: "a host that is none" in guard.process.log, what="the guard's word")
-        liar._slave.register_function(RawPublisher._request_topic.__get__(liar), "requestTopic")
+        liar.lies = False
         with guard.subscribe() as driver:
             assert heard(liar, driver, 1) == twist(1)
     assert "Traceback" not in guard.process.log
