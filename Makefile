@@ -5,8 +5,10 @@
 BIN := .venv/bin
 PYTHON := $(BIN)/python
 ROS2_PYTHON := .venv-ros2/bin/python
-ROS2_TESTS = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
-ALONE := tests/demos/test_demo_ros1.py
+ROS2_ALL = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
+ROS2_TESTS = $(filter-out tests/demos/%,$(ROS2_ALL))
+ROS2_DEMOS = $(filter tests/demos/%,$(ROS2_ALL))
+BESIDE := -n 3 --dist loadfile
 FAILED := --last-failed --last-failed-no-failures none
 CODE := src tests scripts bench evaluation figures
 
@@ -35,11 +37,13 @@ coverage: setup ## Check that the tests go through every branch of the policies,
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
 test: lint coverage test-ros2 ## Run lint, coverage and every test; what fails beside others, once more alone
-	$(BIN)/pytest -m "not ros2" -n auto --dist loadfile --ignore=$(ALONE) || $(BIN)/pytest $(FAILED)
-	$(BIN)/pytest $(ALONE)
+	$(BIN)/pytest -m "not ros2" $(BESIDE) --ignore=tests/demos/test_demo_ros1.py || $(BIN)/pytest $(FAILED)
+	$(BIN)/pytest tests/demos/test_demo_ros1.py
 
 test-ros2: setup ## Run the tests on a real ROS 2
-	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS); fi
+	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS) $(BESIDE) || \
+	  $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS) $(FAILED)
+	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_DEMOS)
 
 mutation: setup ## Change the policies in over a thousand small ways; tests must notice (slow)
 	$(BIN)/mutmut run --max-children 1
