@@ -110,7 +110,7 @@ def test_nothing_is_imported_from_the_users_folder(processes, tmp_path, monkeypa
 
 def test_a_command_that_fails_says_why(processes):
     fails = [sys.executable, "-c", "import sys; print('no way'); sys.exit(3)"]
-    with pytest.raises(SourceError, match=r"failed \(3\)\nno way"):
+    with pytest.raises(SourceError, match=r"failed \(3\)\n01-python\S* said last:\nno way"):
         processes.finish(fails, os.environ)
     assert processes.finish(fails, os.environ, codes=(0, 3)).code == 3
 

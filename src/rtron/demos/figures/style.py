@@ -27,11 +27,6 @@ COLOURS = {  # of Okabe and Ito
     Variant.ATTACKED: "#d55e00",
     Variant.GUARDED: "#009e73",
 }
-LABELS = {
-    Variant.UNATTACKED: "no attack",
-    Variant.ATTACKED: "attacked, no guard",
-    Variant.GUARDED: "attacked, guarded",
-}
 _ON_ONE_LINE = 5
 """So many entries of a legend have place beside each other."""
 _SETTINGS: Any = {

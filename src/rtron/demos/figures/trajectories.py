@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtron.demos.figures.scenery import draw_scenery, edges
-from rtron.demos.figures.style import COLOURS, INK, LABELS, WIDTH, Style, drawn, legend_below
+from rtron.demos.figures.style import COLOURS, INK, WIDTH, Style, drawn, legend_below
 from rtron.demos.measuring.run import Run, Runs, Variant
 from rtron.demos.measuring.scene import ROBOT_RADIUS, Scene, place, way
+from rtron.demos.measuring.table import HEADS
 from rtron.demos.world.truth import Place, Truth
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def _draw_run(axes: "Axes", run: Run) -> None:
         [x for x, _ in places],
         [y for _, y in places],
         color=COLOURS[run.variant],
-        label=LABELS[run.variant],
+        label=HEADS[run.variant],
         **_LINES[run.variant],
     )
     _draw_body(axes, run.samples[-1], COLOURS[run.variant])

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from rtron.demos.figures.style import (
     COLOURS,
     INK,
-    LABELS,
     LIMIT,
     Style,
     drawn,
@@ -16,6 +15,7 @@ from rtron.demos.figures.style import (
 )
 from rtron.demos.measuring.run import Run, Runs, Variant
 from rtron.demos.measuring.scene import Scene
+from rtron.demos.measuring.table import HEADS
 from rtron.demos.world.truth import Truth
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def velocity(path: Path, title: str, scene: Scene, runs: Runs, *, turn: bool) ->
 
 def _draw(axes: "Axes", run: Run, value: Callable[[Truth], float]) -> None:
     times = [sample.t for sample in run.samples]
-    label, colour = LABELS[run.variant], COLOURS[run.variant]
+    label, colour = HEADS[run.variant], COLOURS[run.variant]
     axes.plot(
         times, list(map(value, run.samples)), color=colour, label=label, **_LINES[run.variant]
     )

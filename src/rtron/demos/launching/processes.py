@@ -110,7 +110,8 @@ class Processes:
         except SourceError as error:
             if started.popen.poll() is None:
                 raise
-            raise SourceError(f"{error}\n{started.said()[-_SHOWN:]}", help=error.help) from error
+            last = f"{started.log.stem} said last:\n{started.said()[-_SHOWN:]}"
+            raise SourceError(f"{error}\n{last}", help=error.help) from error
         finally:
             self.end([started])
 
