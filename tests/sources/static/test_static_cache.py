@@ -2,6 +2,7 @@ import os
 
 import pytest
 
+from rtron.sources.bounded import content_hash
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.sources.static.app import scan_app
 from rtron.sources.static.cache import Cache, open_cache, user_cache
@@ -9,7 +10,7 @@ from rtron.sources.static.launch_paths import find_launch
 from rtron.sources.static.options import ScanOptions
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.structure import workspace_state
-from rtron.sources.static.task import Task, TaskKind, TaskResult, content_hash
+from rtron.sources.static.task import Task, TaskKind, TaskResult
 from rtron.sources.workspace import read_workspace
 
 

@@ -18,6 +18,7 @@ from rtron.sources.workspace.files import is_inside
 from rtron.sources.workspace.package import TargetKind
 
 MAX_DATA = 2**20
+_MAX_SOURCE = 16 * 2**20
 _TESTING = re.compile("(^|_)tests?($|_)")
 
 
@@ -38,9 +39,9 @@ class WorkspaceFiles:
     def unit(self, path: Path, language: Language) -> Unit:
         """Return a file, lowered; one that cannot be read is empty, with a Problem."""
         try:
-            text = path.read_bytes()
-        except OSError as error:
-            problem = Problem(0, f"cannot be read: {error.strerror}")
+            text = read_bounded(path, _MAX_SOURCE)
+        except InputError as error:
+            problem = Problem(0, f"cannot be read: {error.why}")
             return Unit(file=str(path), language=language, problems=(problem,))
         definitions = tuple(one for one in self.definitions if _may_mean(text, one))
         key = (path, language, definitions)

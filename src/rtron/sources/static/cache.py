@@ -15,8 +15,8 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
-from rtron.sources.static.task import Task, TaskResult, content_hash
+from rtron.sources.bounded import content_hash, read_bounded
+from rtron.sources.static.task import Task, TaskResult
 from rtron.vocabulary import Parameters
 
 MAX_ENTRY = 16 * 1024 * 1024

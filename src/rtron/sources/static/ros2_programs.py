@@ -6,10 +6,14 @@ A scan without a launch takes all of them, each as a node with the name that its
 from collections.abc import Iterator
 from pathlib import Path
 
+from rtron.errors import InputError
+from rtron.sources.bounded import read_bounded
 from rtron.sources.declaration import NodeSite
 from rtron.sources.static.task import Task, TaskKind
 from rtron.sources.workspace import Language, Program, Workspace
 from rtron.sources.workspace.package import TargetKind
+
+_MAX_SOURCE = 16 * 2**20
 
 _TESTS = frozenset({"test", "tests", "benchmark", "example", "examples"})
 
@@ -74,8 +78,8 @@ def _is_made(cls: str, sources: set[Path], task: Task) -> bool:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
-    except OSError:
+        return read_bounded(path, _MAX_SOURCE)
+    except InputError:
         return b""
 
 

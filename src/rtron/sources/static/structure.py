@@ -10,8 +10,8 @@ from pathlib import Path
 
 import rtron
 from rtron.folders import walk
+from rtron.sources.bounded import content_hash
 from rtron.sources.static.cache import digest_of
-from rtron.sources.static.task import content_hash
 from rtron.sources.workspace import Workspace
 
 _READ = (".xml", ".cmake", "CMakeLists.txt", "setup.py", "setup.cfg")

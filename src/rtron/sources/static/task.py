@@ -1,9 +1,9 @@
 """One program to be interpreted as one node; a task travels to a worker process and back."""
 
 from dataclasses import dataclass, field
-from hashlib import sha256
 from pathlib import Path
 
+from rtron.sources.bounded import content_hash
 from rtron.sources.code.interpreter.files import Files, Plugin
 from rtron.sources.code.ir import Language, Unit
 from rtron.sources.code.program import run_component, run_cpp, run_nodelet, run_python
@@ -54,14 +54,6 @@ def run_task(task: Task, files: WorkspaceFiles) -> TaskResult:
     read = dict.fromkeys((*task.sources, *watched.read))
     hashes = tuple((str(path), content_hash(path)) for path in read)
     return TaskResult(interface=interface, files=hashes)
-
-
-def content_hash(path: Path) -> str:
-    """Return the hash of a file's content; empty for one that cannot be read."""
-    try:
-        return sha256(path.read_bytes()).hexdigest()
-    except OSError:
-        return ""
 
 
 def _run(task: Task, files: Files) -> NodeInterface:

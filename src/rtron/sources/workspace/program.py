@@ -4,6 +4,7 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtron.sources.bounded import content_hash
 from rtron.vocabulary import Word
 
 
@@ -45,16 +46,5 @@ def digest(program: Program) -> str:
     for text in (program.language, program.package, program.name, *program.definitions):
         whole.update(f"{text}\0".encode("utf-8", "surrogateescape"))
     for path in program.sources:
-        whole.update(str(path).encode("utf-8", "surrogateescape") + _content_hash(path))
+        whole.update(str(path).encode("utf-8", "surrogateescape") + content_hash(path).encode())
     return whole.hexdigest()
-
-
-def _content_hash(path: Path) -> bytes:
-    try:
-        with path.open("rb") as stream:
-            content = hashlib.sha256()
-            while block := stream.read(1 << 20):
-                content.update(block)
-            return content.digest()
-    except OSError:
-        return b"\0"
