@@ -1,14 +1,16 @@
 """Python's classes and objects: members, decorators, bases."""
 
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments, NativeCall
 from rtron.sources.code.interpreter.calling import dispatch
 from rtron.sources.code.interpreter.frame import Frame
+from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.method_order import SUPER, MethodOrders
 from rtron.sources.code.interpreter.python_modules import PythonModules
 from rtron.sources.code.interpreter.values import (
     NONE,
@@ -27,7 +29,6 @@ from rtron.sources.code.ir import Class, Function, TypeRef
 from rtron.sources.code.natives.enums import ENUM, member, with_members
 from rtron.vocabulary import Evidence
 
-_MAX_BASES = 32
 _PYTHON_2 = {"BaseHTTPServer", "ConfigParser", "HTMLParser", "Queue", "SocketServer", "UserDict"}
 _WINDOWS = {"PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "Tkinter", "tkinter", "wx"}
 _JOINING_NONE = sys.stdlib_module_names | _PYTHON_2 | _WINDOWS | {"python_qt_binding", "smach"}
@@ -36,6 +37,8 @@ _JOINING_NONE = sys.stdlib_module_names | _PYTHON_2 | _WINDOWS | {"python_qt_bin
 @dataclass(eq=False, slots=True, kw_only=True)
 class PythonObjects(PythonModules):
     """The classes and objects of one program."""
+
+    _orders: MethodOrders = field(default_factory=MethodOrders)
 
     def method_names(self, definition: Class) -> list[str]:
         """Return the names of the methods that a class defines itself."""
@@ -58,26 +61,35 @@ class PythonObjects(PythonModules):
         return made
 
     def lineage(self, cls: Value) -> Iterator[Value]:
-        """Yield a class and its bases, nearest first."""
-        queue, seen = [cls], 0
-        while queue and seen < _MAX_BASES:
-            seen += 1
-            current = queue.pop(0)
-            yield current
-            if isinstance(current, ClassValue):
-                queue.extend(base for bases in current.bases for base in options(bases))
+        """Yield a class and its bases, in the order in which a member is looked for."""
+        return iter(self._orders.of(cls))
 
     def _of_instance(self, owner: Instance, name: str) -> Value | None:
+        if owner.type is SUPER:
+            return self._of_super(owner, name)
         if name in owner.fields:
             return self.machine.seen(name, owner.fields[name])
         if isinstance(owner.type, NativeClass):
             call = owner.type.methods.get(name)
             return Native(name, call, owner) if call else None
-        found = self._of_class(owner.type, name)
+        return self._of_object(owner, self._of_class(owner.type, name))
+
+    def _of_super(self, seen: Instance, name: str) -> Value | None:
+        """Return a member of `super()`: that of the first class behind, bound to the object."""
+        owner = seen.fields["owner"]
+        found = _among(items_of(seen.fields["behind"])[0], name)
+        if isinstance(owner, ClassValue):
+            return _of_no_instance(owner, found)
+        return self._of_object(owner, found) if isinstance(owner, Instance) else None
+
+    def _of_object(self, owner: Instance, found: Value | None) -> Value | None:
+        """Return what stands in an object's class as the object has it."""
         if isinstance(found, Instance) and found.type is PROPERTY:
             getter = found.fields["getter"]
-            frame = Frame(file=owner.type.definition.file)
-            return dispatch(self.machine, getter, Arguments(values=(owner,), frame=frame))
+            file = owner.type.definition.file if isinstance(owner.type, ClassValue) else ""
+            return dispatch(
+                self.machine, getter, Arguments(values=(owner,), frame=Frame(file=file))
+            )
         return _bound_to(owner, found)
 
     def _of_type(self, owner: ClassValue | NativeClass, name: str) -> Value | None:
@@ -87,12 +99,7 @@ class PythonObjects(PythonModules):
         """Return what stands in a class, unbound: a native method has its class for owner."""
         if name == "__name__":
             return Known(owner.name)
-        for cls in self.lineage(owner):
-            if isinstance(cls, ClassValue) and name in cls.fields:
-                return _with_class(cls.fields[name], cls)
-            if isinstance(cls, NativeClass) and name in cls.methods:
-                return Native(name, cls.methods[name], cls)
-        return None
+        return _among(self.lineage(owner), name)
 
     def _class(self, definition: Class, frame: Frame) -> ClassValue:
         bases = tuple(
@@ -103,6 +110,7 @@ class PythonObjects(PythonModules):
         body = Frame(file=frame.file, closure=frame)
         self.machine.execute(definition.body, body)
         made = ClassValue(definition, tuple(map(_as_class, bases)), body.variables, closure=frame)
+        self._note_order(made)
         return with_members(made) if ENUM in self.lineage(made) else made
 
     def _note_bases(self, definition: Class, bases: tuple[Value, ...]) -> None:
@@ -115,6 +123,14 @@ class PythonObjects(PythonModules):
                 why += "what that declares is not known"
                 self.machine.recorder.unresolved(f"class {definition.name}", why, place)
 
+    def _note_order(self, cls: ClassValue) -> None:
+        """Note a class whose bases contradict each other."""
+        self._orders.of(cls)
+        if cls in self._orders.refused:
+            place = Evidence(file=cls.definition.file, line=cls.definition.line)
+            why = "Python finds no order for its bases: they are taken nearest first"
+            self.machine.recorder.unresolved(f"class {cls.name}", why, place)
+
     def _is_known(self, dotted: str) -> bool:
         return self.is_library(dotted) or dotted.partition(".")[0] in _JOINING_NONE
 
@@ -126,6 +142,16 @@ class PythonObjects(PythonModules):
             return value
         made = dispatch(self.machine, decorator, Arguments(values=(value,), frame=frame))
         return value if isinstance(made, Hole) or made == NONE else made
+
+
+def _among(classes: Iterable[Value], name: str) -> Value | None:
+    """Return the first member of a name, unbound."""
+    for cls in classes:
+        if isinstance(cls, ClassValue) and name in cls.fields:
+            return _with_class(cls.fields[name], cls)
+        if isinstance(cls, NativeClass) and name in cls.methods:
+            return Native(name, cls.methods[name], cls)
+    return None
 
 
 def functions_in(body: tuple[object, ...]) -> Iterator[Function]:
@@ -186,8 +212,11 @@ def _bound_function(found: Value, owner: Value) -> Value:
 
 
 def _with_class(found: Value, cls: ClassValue) -> Value:
+    """Return a member that knows the class it stands in, which `super()` asks for."""
     if isinstance(found, FunctionValue) and found.cls is None:
         return replace(found, cls=cls)
+    if isinstance(found, Instance) and found.type in _DESCRIPTORS.values():
+        return Instance(found.type, {n: _with_class(v, cls) for n, v in found.fields.items()})
     return found
 
 

@@ -74,7 +74,7 @@ class World(Protocol):
         ...
 
     def lineage(self, cls: Value) -> Iterator[Value]:
-        """Yield a class and its bases, nearest first."""
+        """Yield a class and its bases, in the order in which a member is looked for."""
         ...
 
     def named(self, name: str) -> tuple[Function, ...]:

@@ -9,6 +9,7 @@ from rtron.sources.code.interpreter.calling import dispatch
 from rtron.sources.code.interpreter.element import SLICE
 from rtron.sources.code.interpreter.items import items_of, listed
 from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.method_order import seen_behind
 from rtron.sources.code.interpreter.operations import binary
 from rtron.sources.code.interpreter.values import (
     FALSE,
@@ -194,16 +195,15 @@ def _hasattr(machine: Machine, _: object, arguments: Arguments) -> Value:
 
 
 def _super(machine: Machine, _: object, arguments: Arguments) -> Value:
-    """`super()`, `super(Class, self)`: the object, seen as one of its class's first base."""
+    """`super()`, `super(Class, self)`: the object, as the classes behind see it."""
     cls, owner = arguments.get(0), arguments.get(1)
     frame = arguments.frame
     if owner is None and frame.function is not None and frame.function.params:
         owner, cls = frame.variables.get(frame.function.params[0].name), frame.cls
-    if not isinstance(owner, Instance) or not isinstance(cls, ClassValue):
+    if not isinstance(owner, (Instance, ClassValue)) or not isinstance(cls, ClassValue):
         return Hole("super")
-    rest = list(machine.world.lineage(cls))[1:]
-    base = next((b for b in rest if isinstance(b, (ClassValue, NativeClass))), None)
-    return Instance(base, owner.fields, owner.types) if base is not None else Hole("super")
+    order = tuple(machine.world.lineage(owner.type if isinstance(owner, Instance) else owner))
+    return seen_behind(owner, cls, order if cls in order else tuple(machine.world.lineage(cls)))
 
 
 def _sum(_: Machine, __: object, arguments: Arguments) -> Value:
