@@ -5,6 +5,8 @@ from ros2_runs import UNLAUNCHED, implied, names, one, python, settings, written
 
 from rtron.vocabulary import Durability, QoS, Reliability, Resolution
 
+QOS_NAMES = """(QoSProfile, ReliabilityPolicy, QoSDurabilityPolicy, DurabilityPolicy,
+QoSPresetProfiles, qos_profile_sensor_data)"""
 BEST, TRANSIENT = Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL
 
 
@@ -70,13 +72,16 @@ def test_a_node_may_be_created_without_a_class():
         ),
         ("qos_profile_sensor_data", QoS(depth=5, reliability=BEST)),
         ("QoSPresetProfiles.SENSOR_DATA.value", QoS(depth=5, reliability=BEST)),
+        ("QoSPresetProfiles.get_from_short_key('sensor_data')", QoS(depth=5, reliability=BEST)),
+        ("QoSPresetProfiles.get_from_short_key('nobody')", None),
+        ("QoSPresetProfiles.get_from_short_key(unknown())", None),
         ("profile", QoS(depth=9, durability=TRANSIENT)),
         ("QoSProfile(depth=3, reliability=who_knows())", None),
     ],
 )
-def test_a_literal_quality_of_service_is_read(written_qos, expected):
-    top = """from rclpy.qos import (QoSProfile, ReliabilityPolicy, QoSDurabilityPolicy,
-                       DurabilityPolicy, QoSPresetProfiles, qos_profile_sensor_data)
+@pytest.mark.parametrize("imported", ["*", QOS_NAMES])
+def test_a_literal_quality_of_service_is_read(written_qos, expected, imported):
+    top = f"""from rclpy.qos import {imported}
 profile = QoSProfile(depth=9)
 profile.durability = DurabilityPolicy.TRANSIENT_LOCAL"""
     assert one(python(f"self.create_publisher(Bool, 't', {written_qos})", top)).qos == expected

@@ -1,10 +1,21 @@
 """rclpy.qos: profiles, and the policies in them (docs.ros.org: rclpy.qos)."""
 
 from collections.abc import Mapping
+from functools import partial
 
 from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
-from rtron.sources.code.interpreter.values import Instance, Known, NativeClass, Value
+from rtron.sources.code.interpreter.values import (
+    Foreign,
+    Hole,
+    Instance,
+    Known,
+    Native,
+    NativeClass,
+    Value,
+    each,
+    spelled,
+)
 from rtron.sources.code.natives.ros2_qos import (
     DEFAULT,
     DEPTH,
@@ -63,14 +74,30 @@ def _profile(qos: QoS) -> Instance:
 
 def profiles() -> Mapping[str, Value]:
     """Return the profiles of rclpy.qos, new ones for each program."""
-    presets = {
-        f"rclpy.qos.QoSPresetProfiles.{name}": Instance(
-            _PRESET, {"value": _profile(PROFILES[profile])}
-        )
+    presets: dict[str, Value] = {
+        name: Instance(_PRESET, {"value": _profile(PROFILES[profile])})
         for name, profile in _PRESETS.items()
     }
     named = {f"rclpy.qos.qos_profile_{name}": _profile(qos) for name, qos in PROFILES.items()}
-    return {**presets, **named, "rclpy.qos.QoSProfile": _PROFILE}
+    return {
+        **{f"{_PRESET.name}.{name}": preset for name, preset in presets.items()},
+        f"{_PRESET.name}.get_from_short_key": Native("key", partial(_of_short_key, presets)),
+        _PRESET.name: Foreign(_PRESET.name),
+        **named,
+        _PROFILE.name: _PROFILE,
+    }
+
+
+def _of_short_key(
+    presets: Mapping[str, Value], _: Machine, __: object, arguments: Arguments
+) -> Value:
+    """`QoSPresetProfiles.get_from_short_key("sensor_data")`."""
+
+    def named(key: Value) -> Value:
+        found = presets.get(spelled(key).upper())
+        return found.fields["value"] if isinstance(found, Instance) else Hole("profile")
+
+    return each(arguments.get(0, "name") or Hole("?"), named)
 
 
 _PROFILE = NativeClass("rclpy.qos.QoSProfile", _make)
