@@ -46,6 +46,25 @@ from a_msgs.action import Dock"""
     assert written(python(line, top)) == [expected]
 
 
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (
+            "self.create_publisher(get_message('std_msgs/msg/Float64'), 't', 1)",
+            "publish /ns/t std_msgs/msg/Float64",
+        ),
+        ("self.create_client(get_service('a/srv/Do'), 's')", "service_client /ns/s a/srv/Do"),
+        ("ActionClient(self, get_action('a/action/Do'), 'd')", "action_client /ns/d a/action/Do"),
+        ("self.create_publisher(get_message('a/srv/Do'), 't', 1)", "publish /ns/t "),
+        ("self.create_publisher(get_message(unknown()), 't', 1)", "publish /ns/t "),
+    ],
+)
+def test_an_interface_may_be_named_by_a_text(line, expected):
+    top = """from rclpy.action import ActionClient
+from rosidl_runtime_py.utilities import get_action, get_message, get_service"""
+    assert written(python(line, top)) == [expected]
+
+
 def test_without_a_launch_the_source_names_the_node():
     found = python("self.create_publisher(Bool, '~/t', 1)", **UNLAUNCHED)
     assert names(found) == ["/written/t"]

@@ -7,6 +7,7 @@ from rtron.sources.code.natives.rclpy_libraries import LIBRARY_CALLS
 from rtron.sources.code.natives.rclpy_node import LIFECYCLE_NODE, NODE, make_node
 from rtron.sources.code.natives.rclpy_parameters import PARAMETER
 from rtron.sources.code.natives.rclpy_qos import profiles
+from rtron.sources.code.natives.rosidl_python import ROSIDL
 
 
 def _create_node(machine: Machine, _: object, arguments: Arguments) -> Value:
@@ -22,6 +23,7 @@ def rclpy_natives() -> dict[str, Value]:
     return {
         **{name: Native(name, call) for name, call in LIBRARY_CALLS.items()},
         **profiles(),
+        **ROSIDL,
         **dict.fromkeys(("rclpy.node.Node", "rclpy.Node"), NODE),
         **dict.fromkeys(
             (
