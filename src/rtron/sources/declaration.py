@@ -105,7 +105,8 @@ class NodeSite:
     `placed` say that the launch gives the name and the namespace; where it does not, the source
     does. They are for every node of the process that takes the process's arguments. Of a component
     that is loaded (`loading`) they are its container's; `args` and `overrides` are its own, the
-    arguments and the parameters of the options that it is loaded with.
+    arguments and the parameters of the options that it is loaded with. `rules` are remap rules as
+    written, of which the first that fits counts.
     """
 
     name: str
@@ -120,6 +121,7 @@ class NodeSite:
     settings: tuple[ParameterSetting, ...] = ()
     overrides: tuple[tuple[str, ParameterValue], ...] = ()
     loading: Loading | None = None
+    rules: tuple[tuple[str, str], ...] = ()
 
     @property
     def process(self) -> str:

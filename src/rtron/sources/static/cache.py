@@ -87,6 +87,7 @@ class Cache:
             repr(task.beside),
             repr((site.name, site.args, site.remaps, site.environ, site.complete)),
             repr((site.ros, site.named, site.placed, site.settings, site.overrides, site.loading)),
+            repr(site.rules),
             self._parameters_hash(site.parameters),
         )
         return digest_of(parts) + _ENDING

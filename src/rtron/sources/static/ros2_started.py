@@ -54,6 +54,7 @@ class StartedNodes:
             complete=start.complete,
             environ=self._environ(start),
             settings=tuple(_settings(start.sources, exact_last=python)),
+            rules=start.remaps,
         )
         return _app_node(start, site, start)
 
@@ -71,6 +72,7 @@ class StartedNodes:
             complete=start.complete,
             environ=self._environ(host or start),
             settings=tuple(_settings(host.sources)) if host else (),
+            rules=start.remaps,
             overrides=tuple((name, one.value) for name, one in start.parameters().items()),
             loading=Loading(
                 container=start.container,

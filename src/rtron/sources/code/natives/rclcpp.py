@@ -8,6 +8,11 @@ from rtron.sources.code.natives.rclcpp_functions import FUNCTIONS
 from rtron.sources.code.natives.rclcpp_images import IMAGE_CLASSES, IMAGE_FUNCTIONS
 from rtron.sources.code.natives.rclcpp_libraries import LIBRARY_CLASSES
 from rtron.sources.code.natives.rclcpp_node import NODE_CLASSES
+from rtron.sources.code.natives.rclcpp_overriding import (
+    OVERRIDING_CLASSES,
+    OVERRIDING_CONSTANTS,
+    OVERRIDING_FUNCTIONS,
+)
 from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_CLASSES
 from rtron.sources.code.natives.rclcpp_plugins import PLUGIN_CLASSES
 from rtron.sources.code.natives.rclcpp_qos import QOS_CLASSES, QOS_CONSTANTS, QOS_FUNCTIONS
@@ -18,6 +23,7 @@ RCLCPP_CLASSES: dict[str, NativeClass] = {
     **NODE_CLASSES,
     **PARAMETER_CLASSES,
     **QOS_CLASSES,
+    **OVERRIDING_CLASSES,
     **LIBRARY_CLASSES,
     **IMAGE_CLASSES,
     **PLUGIN_CLASSES,
@@ -31,8 +37,13 @@ RCLCPP_FUNCTIONS = {
         **ENDPOINT_FUNCTIONS,
         **IMAGE_FUNCTIONS,
         **QOS_FUNCTIONS,
+        **OVERRIDING_FUNCTIONS,
         **FUNCTIONS,
         **TREE_FUNCTIONS,
     }.items()
 }
-RCLCPP_CONSTANTS: dict[str, Value] = {**QOS_CONSTANTS, **KIND_CONSTANTS}
+RCLCPP_CONSTANTS: dict[str, Value] = {
+    **QOS_CONSTANTS,
+    **OVERRIDING_CONSTANTS,
+    **KIND_CONSTANTS,
+}

@@ -21,7 +21,9 @@ from rtron.sources.code.natives.cpp_arguments import (
     take_callbacks,
     typed,
 )
-from rtron.sources.code.natives.ros2_nodes import is_node, node_among
+from rtron.sources.code.natives.rclcpp_overriding import options_among
+from rtron.sources.code.natives.ros2_nodes import is_node, node_among, resolved
+from rtron.sources.code.natives.ros2_overriding import Overridable
 from rtron.sources.code.natives.ros2_qos import is_qos, qos_of
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
@@ -70,7 +72,9 @@ def _made(
     plain = type
     for ending in _REQUEST:
         plain = plain.removesuffix(ending)
-    full = ros2_endpoints.declare(machine, kind, node, name, plain, rest, qos=_quality(kind, rest))
+    overridable = Overridable(machine, kind, node, rest)
+    qos = overridable.qos(resolved(node, name), _quality(kind, rest), options_among(rest))
+    full = ros2_endpoints.declare(machine, kind, node, name, plain, rest, qos=qos)
     return Instance(ENDPOINT, {"name": full, "truth": TRUE})
 
 

@@ -5,6 +5,7 @@ from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import Hole, Native, Value
 from rtron.sources.code.natives.rclpy_libraries import LIBRARY_CALLS
 from rtron.sources.code.natives.rclpy_node import LIFECYCLE_NODE, NODE, make_node
+from rtron.sources.code.natives.rclpy_overriding import OVERRIDING
 from rtron.sources.code.natives.rclpy_parameters import PARAMETER
 from rtron.sources.code.natives.rclpy_qos import profiles
 from rtron.sources.code.natives.rosidl_python import ROSIDL
@@ -24,6 +25,7 @@ def rclpy_natives() -> dict[str, Value]:
         **{name: Native(name, call) for name, call in LIBRARY_CALLS.items()},
         **profiles(),
         **ROSIDL,
+        **OVERRIDING,
         **dict.fromkeys(("rclpy.node.Node", "rclpy.Node"), NODE),
         **dict.fromkeys(
             (

@@ -36,6 +36,7 @@ from rtron.sources.code.natives.ros2_nodes import (
     own_settings,
     resolved,
 )
+from rtron.sources.code.natives.ros2_overriding import Overridable
 from rtron.sources.code.natives.ros2_parameters import OVERRIDES
 from rtron.sources.declaration import DeclarationKind
 
@@ -133,7 +134,9 @@ def declare(
     if owner is None:
         ros2_endpoints.unknown_owner(machine, kind.value, name, arguments)
         return Hole(kind.value)
-    qos = quality(kind, arguments, at)
+    given = arguments.keywords.get("qos_overriding_options")
+    overridable = Overridable(machine, kind, owner, arguments)
+    qos = overridable.qos(resolved(owner, name), quality(kind, arguments, at), given)
     full = ros2_endpoints.declare(machine, kind, owner, name, type, arguments, qos=qos)
     return Instance(ENDPOINT, dict.fromkeys(("topic_name", "topic", "srv_name"), full))
 
