@@ -163,11 +163,38 @@ def test_an_anonymous_name_is_a_pattern(python, xml):
         ("{'k': 'v'}.get('k')", "v"),
         ("'/'.join([x.upper() for x in 'ab' if x != 'a'])", "B"),
         ("len({x for x in [1, 1, 2]})", "2"),
+        ("int(math.sqrt(16))", "4"),
+        ("sqrt(16) + math.floor(2.5)", "6.0"),
+        ("round(math.pi, 2)", "3.14"),
+        ("'a/b'.split('/')[1].upper()", "B"),
+        ("[math.x for math in [{'x': 1}]] if False else math.isclose(1, 1)", "True"),
     ],
 )
 def test_expressions_of_python(xml, text, value):
     quoted = text.replace("'", "\\'").replace("<", "&lt;")
     assert xml(f"""<node pkg="$(eval '{quoted}')" exec="e"/>""").starts[0].package == value
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("os.getcwd()", "`os` is not looked into here"),
+        ("os.path.sep", "`os.path` is not looked into here"),
+        ("math.factorial(3)", "math has more than is known here"),
+        ("math.len([1])", "math has more than is known here"),
+        ("nonsense + 1", "the name 'nonsense' is not defined"),
+        ("str(range)", "`range` is not of what is evaluated here"),
+    ],
+)
+def test_what_is_not_known_of_an_expression_is_told(xml, text, why):
+    (note,) = xml(f"""<node pkg="$(eval '{text}')" exec="e"/>""").unresolved
+    assert why in note.why
+
+
+def test_the_module_math_stands_behind_its_name(python):
+    app = python("Node(executable='e', name=PythonExpression(['\"n\" + str(math.ceil(1.5))']))")
+    assert names(app) == ["/n2"]
+    assert app.unresolved == ()
 
 
 @pytest.mark.parametrize(

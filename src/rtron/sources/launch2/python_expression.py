@@ -1,15 +1,26 @@
 """`$(eval …)` of ROS 2 and PythonExpression: roslaunch's closed grammar, with sets and loops.
 
-launch hands the text to Python's own eval; here it is parsed and walked. Every value on the way is
-bounded, and so is how often a comprehension runs (docs.ros.org: launch substitutions).
+launch hands the text to Python's own eval, with the module math and its bare names, or with what
+`python_modules` lists; here it is parsed and walked, and no other module is looked into. Every
+value on the way is bounded, and so is how often a comprehension runs (docs.ros.org: launch
+substitutions; github.com/ros2/launch, substitutions/python_expression.py).
 """
 
 import ast
+import builtins
+import math
 from collections.abc import Iterator, Mapping
 from functools import partial
 
 from rtron.sources.launch.expression import Walk, evaluate_with
-from rtron.sources.launch.expression_words import FUNCTIONS, METHODS, Function, Value, bounded
+from rtron.sources.launch.expression_words import (
+    CONSTANTS,
+    FUNCTIONS,
+    METHODS,
+    Function,
+    Value,
+    bounded,
+)
 from rtron.sources.launch.unresolvable import UnresolvableError
 
 MAX_ROUNDS = 256
@@ -20,6 +31,11 @@ _FUNCTIONS: Mapping[str, Function] = {
     "dict": dict,
     "set": set,
     "tuple": tuple,
+}
+_MORE_MATH = "cosh expm1 gcd isclose isfinite log1p log2 remainder sinh tanh"
+_MATH: Mapping[str, Value] = {
+    **{n: v for n, v in {**FUNCTIONS, **CONSTANTS}.items() if getattr(math, n, None) is v},
+    **{name: getattr(math, name) for name in _MORE_MATH.split()},
 }
 _OF_SETS: Mapping[str, Function] = {
     name: getattr(set, name)
@@ -49,11 +65,20 @@ def python_expression(text: str) -> str:
 
     Raise ValueError if launch could not evaluate it either, UnresolvableError outside the grammar.
     """
-    return str(bounded(str(evaluate_with(_Walk({**FUNCTIONS, **_FUNCTIONS}, _no_name), text))))
+    return str(bounded(str(evaluate_with(_Walk(_KNOWN, _no_name), text))))
 
 
 def _no_name(name: str) -> Value:
-    raise KeyError(name)
+    if hasattr(builtins, name):
+        raise UnresolvableError(f"`{name}` is not of what is evaluated here")
+    raise ValueError(f"the name '{name}' is not defined")
+
+
+_KNOWN: Mapping[str, Function] = {
+    **FUNCTIONS,
+    **_FUNCTIONS,
+    **{name: value for name, value in _MATH.items() if callable(value)},
+}
 
 
 class _Walk(Walk):
@@ -75,12 +100,31 @@ class _Walk(Walk):
             return list(self._looped(node.elt, node.generators))
         if isinstance(node, ast.SetComp):
             return set(self._looped(node.elt, node.generators))
-        method = self._method(node)
-        return super()._unknown(node) if method is None else method
-
-    def _method(self, node: ast.expr) -> Function | None:
         if not isinstance(node, ast.Attribute):
-            return None
+            return super()._unknown(node)
+        found = self._of_module(node) if self._is_module(node.value) else self._method(node)
+        return super()._unknown(node) if found is None else found
+
+    def _function(self, node: ast.expr) -> Function:
+        is_module = isinstance(node, ast.Attribute) and self._is_module(node.value)
+        found: Function = self._unknown(node) if is_module else super()._function(node)
+        return found
+
+    def _is_module(self, node: ast.expr) -> bool:
+        """Tell whether a name can only be a module's: it is no other that is known here."""
+        if isinstance(node, ast.Attribute):
+            return self._is_module(node.value)
+        known = {*CONSTANTS, *self._names}
+        return isinstance(node, ast.Name) and not (node.id in known or hasattr(builtins, node.id))
+
+    def _of_module(self, node: ast.Attribute) -> Value:
+        if isinstance(node.value, ast.Name) and node.value.id == "math" and node.attr in _MATH:
+            return _MATH[node.attr]
+        where = ast.unparse(node.value)
+        why = "math has more than is known" if where == "math" else f"`{where}` is not looked into"
+        raise UnresolvableError(f"`{ast.unparse(node)}` is not evaluated: {why} here")
+
+    def _method(self, node: ast.Attribute) -> Function | None:
         owner = self.value(node.value)
         method = _METHODS.get(type(owner), {}).get(node.attr)
         return partial(method, owner) if method is not None else None
