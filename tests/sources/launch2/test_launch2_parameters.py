@@ -43,25 +43,28 @@ def test_a_parameter_file_for_some_nodes(python, file):
 
 
 def test_what_stands_later_counts(python, file):
+    """What is given twice below one name keeps its first place, here before the file's `/**`."""
     assert values(python(node(f"'{file}', {{'both': 'in'}}")).starts[0])["both"] == "in"
-    assert values(python(node(f"{{'both': 'in'}}, '{file}'")).starts[0])["both"] == "own"
+    assert values(python(node(f"{{'both': 'in'}}, '{file}'")).starts[0])["both"] == "all"
 
 
 def test_a_value_in_the_launch_file_is_for_all_nodes_where_no_namespace_is_given(python, package):
     (package / "p.yaml").write_text("n: {ros__parameters: {a: file}}")
     text = f"Node(executable='e', name='n', parameters=['{package}/p.yaml', {{'a': 'in'}}])"
     [started] = python(text).starts
-    assert values(started) == {"a": "file"}
-    assert values(started, by_order=True) == {"a": "in"}
+    assert values(started) == {"a": "in"}
 
 
-def test_wildcards_behind_the_own_name_count_for_rclcpp_only(python, package):
-    (package / "p.yaml").write_text(
-        "/ns/n: {ros__parameters: {a: own}}\n/**: {ros__parameters: {a: all}}"
-    )
-    [started] = python(node(f"'{package}/p.yaml'")).starts
-    assert values(started) == {"a": "own"}
-    assert values(started, by_order=True) == {"a": "all"}
+@pytest.mark.parametrize(
+    ("order", "expected"), [("oa", "all"), ("ao", "own"), ("oao", "all"), ("aoa", "own")]
+)
+def test_a_pattern_counts_by_its_first_place(python, package, order, expected):
+    """As rclpy 9.1.2 and rclcpp gather the files, one after the other."""
+    (package / "o.yaml").write_text("/ns/n: {ros__parameters: {a: own}}")
+    (package / "a.yaml").write_text("/**: {ros__parameters: {a: all}}")
+    files = ", ".join(f"'{package}/{name}.yaml'" for name in order)
+    [started] = python(node(files)).starts
+    assert values(started) == {"a": expected}
 
 
 def test_a_component_takes_its_sources_one_after_the_other(python, file, package):
@@ -269,7 +272,7 @@ NODES = {
 def test_a_file_among_the_arguments_counts_in_its_place(python, file, how):
     words = f"'--ros-args', '-p', 'all:=0', '--params-file', '{file}', '-p', 'both:=last'"
     start = python(NODES[how].format(words)).starts[0]
-    found = values(start, by_order=True)
+    found = values(start)
     assert (found["all"], found["own"], found["deep.er"]) == (1, [1, 2], "x")
     assert start.complete
 

@@ -30,22 +30,19 @@ class ParameterSource:
     shared: bool = False
 
 
-def given_parameters(
-    sources: Iterable[ParameterSource], node: str, *, by_order: bool = False
-) -> dict[str, Parameter]:
+def given_parameters(sources: Iterable[ParameterSource], node: str) -> dict[str, Parameter]:
     """Return the parameters of a node, the last of a name counts.
 
-    A pattern that names the node itself counts before wildcards, as rclpy has it and launch_ros
-    documents it. `by_order` is rclcpp's way since Humble: by the first place of each pattern.
+    A pattern's place is where it stands first, and a wildcard behind a node's own name counts
+    before it: so rclcpp since Humble, and rclpy as 9.1.2 was observed to. An older rclpy (its
+    node.cpp at github.com/ros2/rclpy@05327460) knew `/**` only, and took the full name last.
     """
     gathered: dict[str, dict[str, Parameter]] = {}
     for source in sources:
         for pattern, values in source.entries:
             gathered.setdefault(_absolute(pattern), {}).update(values)
-    fitting = [(p, values) for p, values in gathered.items() if names(p, node)]
-    if not by_order:
-        fitting.sort(key=lambda entry: entry[0] == node)
-    return {name: value for _, values in fitting for name, value in values.items()}
+    fitting = (values for pattern, values in gathered.items() if names(pattern, node))
+    return {name: value for values in fitting for name, value in values.items()}
 
 
 def loaded_parameters(sources: Iterable[ParameterSource], node: str) -> dict[str, Parameter]:

@@ -61,14 +61,14 @@ class Start:
         """The node's full name."""
         return f"{self.namespace.rstrip('/')}/{self.name or UNKNOWN}"
 
-    def parameters(self, *, by_order: bool = False) -> dict[str, Parameter]:
+    def parameters(self) -> dict[str, Parameter]:
         """Return the parameters that it is given, as `given_parameters` merges them.
 
         For a component launch_ros takes them together itself, as `loaded_parameters` says.
         """
         if self.kind is StartKind.COMPONENT:
             return loaded_parameters(self.sources, self.full_name)
-        return given_parameters(self.sources, self.full_name, by_order=by_order)
+        return given_parameters(self.sources, self.full_name)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -45,7 +45,7 @@ def scan_ros2_app(
     chosen, workspace = options or ScanOptions(), ros2_workspace(folders)
     files = WorkspaceFiles(workspace)
     read = _read(launches, environ, files, chosen.execution)
-    started = StartedNodes(workspace=workspace, environ=environ)
+    started = StartedNodes(environ=environ)
     nodes = list(started.nodes([start for launch in read for start in launch.starts]))
     state = workspace_state(workspace) if chosen.cache else ""
     models = load_models(LIBRARY2)

@@ -13,19 +13,16 @@ from rtron.sources.launch2.parameters import ParameterSource
 from rtron.sources.launch2.result import Start, StartKind
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.notes import Notes
-from rtron.sources.workspace import Language, Workspace
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import UNKNOWN
 
 CONTAINERS = "rclcpp_components"
-_WILD = "*"
 
 
 @dataclass(slots=True, kw_only=True)
 class StartedNodes:
     """Makes the nodes of what launch files start; `environ` is that of the launch."""
 
-    workspace: Workspace
     environ: Mapping[str, str]
     notes: Notes = field(default_factory=Notes)
 
@@ -43,8 +40,6 @@ class StartedNodes:
                 yield self._node(start)
 
     def _node(self, start: Start) -> AppNode:
-        program = self.workspace.executable(start.package, start.program)
-        python = program is not None and program.language is Language.PYTHON
         site = NodeSite(
             name=_name(start, _own_name(start)),
             ros=2,
@@ -53,7 +48,7 @@ class StartedNodes:
             placed=start.placed,
             complete=start.complete,
             environ=self._environ(start),
-            settings=tuple(_settings(start.sources, exact_last=python)),
+            settings=tuple(_settings(start.sources)),
             rules=start.remaps,
         )
         return _app_node(start, site, start)
@@ -109,12 +104,10 @@ def _words(start: Start) -> Iterator[str]:
         yield from ("-r", f"{name}:={target}")
 
 
-def _settings(
-    sources: Iterable[ParameterSource], *, exact_last: bool = False
-) -> Iterator[ParameterSetting]:
-    """Yield what is set, the last that fits counts: as rclcpp has it, by each pattern's place.
+def _settings(sources: Iterable[ParameterSource]) -> Iterator[ParameterSetting]:
+    """Yield what is set, the last that fits counts: by each pattern's first place.
 
-    In rclpy a node's own name counts before wildcards (`exact_last`).
+    So in both client libraries, as `rtron.sources.launch2.parameters` says.
     """
     gathered: dict[str, dict[str, ParameterSetting]] = {}
     for source in sources:
@@ -122,9 +115,8 @@ def _settings(
             of_node = gathered.setdefault(node if node.startswith("/") else f"/{node}", {})
             for name, found in values.items():
                 of_node[name] = ParameterSetting(node=node, name=name, value=found.value)
-    patterns = sorted(gathered, key=lambda node: exact_last and _WILD not in node)
-    for pattern in patterns:
-        yield from gathered[pattern].values()
+    for of_node in gathered.values():
+        yield from of_node.values()
 
 
 def _app_node(start: Start, site: NodeSite, process: Start | None) -> AppNode:
