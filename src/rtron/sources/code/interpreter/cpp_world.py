@@ -175,7 +175,7 @@ class CppWorld(CppObjects):
         return Native(method, call, frame.this) if call is not None else None
 
     def _outer(self, name: Name, frame: Frame) -> Value:
-        found = self._parameter(name, frame) or self.constants.get(name.id)
+        found = self._parameter(name, frame) or _copy(self.constants.get(name.id))
         if found is None and "::" in name.id and name.id in self.functions:
             found = self._native(name.id, name)
         return found or self._around(name, frame) or self._made_by(name, frame)
@@ -299,3 +299,10 @@ def _of_container(owner: ListValue | MapValue, name: str) -> Value | None:
     if walk is not None:
         return Native(name, walk, owner)
     return bound(LIST if isinstance(owner, ListValue) else CPP_MAP, owner, name)
+
+
+def _copy(constant: Value | None) -> Value | None:
+    """Return a constant as an object of its own: what is made of it may be changed."""
+    if not isinstance(constant, Instance):
+        return constant
+    return Instance(constant.type, dict(constant.fields))

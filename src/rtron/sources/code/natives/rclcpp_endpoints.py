@@ -81,8 +81,12 @@ def _made(
 def _quality(kind: DeclarationKind, rest: Arguments) -> QoS | None:
     if kind not in {_PUBLISH, _SUBSCRIBE}:
         return None
-    found = (v for v in rest.values[1:] if is_qos(v) or _is_depth(v))
-    return qos_of(next(found, None))
+    return qos_of(given_qos(rest))
+
+
+def given_qos(rest: Arguments) -> Value | None:
+    """Return the quality of service, or the depth, that stands behind a topic."""
+    return next((v for v in rest.values[1:] if is_qos(v) or _is_depth(v)), None)
 
 
 def _is_depth(value: Value) -> bool:

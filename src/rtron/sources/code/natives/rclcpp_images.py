@@ -7,6 +7,7 @@ from rtron.sources.code.interpreter.arguments import Arguments
 from rtron.sources.code.interpreter.machine import Machine
 from rtron.sources.code.interpreter.values import (
     TRUE,
+    FunctionValue,
     Hole,
     Instance,
     Known,
@@ -18,10 +19,12 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.natives import ros2_endpoints
 from rtron.sources.code.natives.cpp_arguments import escape_all, take_callbacks
-from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT, owned
+from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT, given_qos, owned
 from rtron.sources.code.natives.ros2_names import below, namespace_of
 from rtron.sources.code.natives.ros2_nodes import node_among, resolved
+from rtron.sources.code.natives.ros2_qos import DEFAULT, qos_of
 from rtron.sources.declaration import DeclarationKind
+from rtron.vocabulary import QoS
 
 TRANSPORTS = {
     "compressed": "sensor_msgs/msg/CompressedImage",
@@ -49,24 +52,37 @@ def _endpoint(
         ros2_endpoints.unknown_owner(machine, f"image_transport {kind.value}", name, rest)
         return Hole("image")
     chosen = _transport(rest) if kind is _SUBSCRIBE else "raw"
-    image = resolved(node, name)
+    image, qos = resolved(node, name), _quality(rest)
     if chosen in TRANSPORTS:
-        below_it = concat((name or Hole("?"), Known(f"/{chosen}")))
-        ros2_endpoints.declare(machine, kind, node, below_it, TRANSPORTS[chosen], rest)
-    else:
-        ros2_endpoints.declare(machine, kind, node, name, type, rest)
+        name, type = concat((name or Hole("?"), Known(f"/{chosen}"))), TRANSPORTS[chosen]
+    ros2_endpoints.declare(machine, kind, node, name, type, rest, qos=qos)
     if kind is _PUBLISH and type == _IMAGE:
-        _transports(machine, node, image, rest)
+        _transports(machine, node, image, rest, qos)
     if camera:
         info = each(image, lambda one: below(namespace_of(one), Known("camera_info")))
-        ros2_endpoints.declare(machine, kind, node, info, _INFO, rest)
+        ros2_endpoints.declare(machine, kind, node, info, _INFO, rest, qos=qos)
     return Instance(ENDPOINT, {"name": image, "truth": TRUE})
 
 
-def _transports(machine: Machine, node: Instance, image: Value, at: Arguments) -> None:
+def _quality(rest: Arguments) -> QoS | None:
+    """Return what all that is made has; without any given it is rmw's default.
+
+    What is not known among the arguments may be one. So may a latch, which the versions of
+    image_transport do not take for the same.
+    """
+    given = given_qos(rest)
+    if TRUE in rest.values or given is not None:
+        return None if TRUE in rest.values else qos_of(given)
+    known = all(isinstance(v, FunctionValue) or is_text(v) for v in rest.values[1:])
+    return DEFAULT if known else None
+
+
+def _transports(
+    machine: Machine, node: Instance, image: Value, at: Arguments, qos: QoS | None
+) -> None:
     for transport, type in TRANSPORTS.items():
         topic = below(image, Known(transport))
-        ros2_endpoints.declare(machine, _PUBLISH, node, topic, type, at, implicit=True)
+        ros2_endpoints.declare(machine, _PUBLISH, node, topic, type, at, qos=qos, implicit=True)
 
 
 def _transport(rest: Arguments) -> str:

@@ -44,13 +44,24 @@ def qos_of(value: Value | None) -> QoS | None:
         return QoS(depth=value.value)
     if not isinstance(value, Instance) or RELIABILITY not in value.fields:
         return None
-    reliability = _word(Reliability, value.fields[RELIABILITY])
-    durability = _word(Durability, value.fields.get(DURABILITY))
+    fields = {**value.fields, **_assigned(value)}
+    reliability = _word(Reliability, fields[RELIABILITY])
+    durability = _word(Durability, fields.get(DURABILITY))
     if reliability is None or durability is None:
         return None
-    depth = value.fields.get(DEPTH)
+    depth = fields.get(DEPTH)
     count = depth.value if isinstance(depth, Known) and isinstance(depth.value, int) else 0
     return QoS(depth=count, reliability=reliability, durability=durability)
+
+
+def _assigned(profile: Instance) -> dict[object, Value]:
+    """Return what is assigned to the members of an `rmw_qos_profile_t`."""
+    given = {name: profile.fields.get(name) for name in ("depth", "reliability", "durability")}
+    return {
+        f"qos.{name}": value if name == "depth" else policy(value)
+        for name, value in given.items()
+        if value is not None
+    }
 
 
 def is_qos(value: Value | None) -> bool:
