@@ -302,7 +302,7 @@ def _of_container(owner: ListValue | MapValue, name: str) -> Value | None:
 
 
 def _copy(constant: Value | None) -> Value | None:
-    """Return a constant as an object of its own: what is made of it may be changed."""
-    if not isinstance(constant, Instance):
+    """Return a constant as an object of its own, which may be changed; a bare mark is itself."""
+    if not (isinstance(constant, Instance) and constant.fields):
         return constant
     return Instance(constant.type, dict(constant.fields))
