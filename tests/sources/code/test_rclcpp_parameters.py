@@ -197,3 +197,19 @@ def test_what_a_parameter_callback_changes_is_unknown_to_callbacks_alone():
 def test_a_program_without_an_end_is_bounded():
     text = 'int main() { rclcpp::Node n("n"); while (true) { n.declare_parameter("a", 1); } }'
     assert [node.name for node in run_text(text).nodes] == ["/ns/n"]
+
+
+@pytest.mark.parametrize("automatic", [True, False])
+def test_what_is_set_is_declared_where_the_options_say_so(automatic):
+    body = f"""auto options = rclcpp::NodeOptions()
+      .automatically_declare_parameters_from_overrides({str(automatic).lower()});
+    auto other = std::make_shared<rclcpp::Node>(
+      "other", options.append_parameter_override("own", 1).use_global_arguments(true));"""
+    given = (*settings("/**", of_all=2), *settings("/nobody", never=3))
+    found = {
+        (p.name, p.value)
+        for p in cpp(body, settings=given, named=False).parameters
+        if p.node.endswith("/other")
+    }
+    assert ({("own", 1), ("of_all", 2)} <= found) is automatic
+    assert "never" not in {name for name, _ in found}

@@ -181,3 +181,16 @@ def test_simulated_time_is_a_subscription():
 def test_no_name_of_ros_1_is_a_library_of_ros_2():
     found = python("rospy.Publisher('old', Bool)", "import rospy")
     assert names(found) == []
+
+
+@pytest.mark.parametrize("automatic", [True, False])
+def test_what_is_set_is_declared_where_the_node_says_so(automatic):
+    top = "other = rclpy.create_node('other', automatically_declare_parameters_from_overrides="
+    found = python("pass", f"{top}{automatic})", settings=settings(of_all=2), named=False)
+    assert (("of_all", 2) in {(p.name, p.value) for p in found.parameters}) is automatic
+
+
+@pytest.mark.parametrize("simulated", [True, False])
+def test_use_sim_time_is_a_parameter_of_every_node(simulated):
+    found = python("pass", settings=settings(use_sim_time=True) if simulated else ()).parameters
+    assert [(p.node, p.name, p.value) for p in found] == [("/ns/n", "use_sim_time", simulated)]

@@ -253,6 +253,8 @@ def test_parameters_and_clients_of_source_and_of_models(launched, tmp_path):
         ("/asking", "rate", 7),
         ("/asking", "names", ("a", "b")),
         ("/asking", "on", True),
+        ("/asking", "use_sim_time", False),
+        ("/manager", "use_sim_time", False),
         ("/manager", "node_names", ("amcl",)),
     }
     assert {(c.node, c.name) for c in graph.clients} == {

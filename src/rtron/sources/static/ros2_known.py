@@ -73,12 +73,15 @@ def _modelled(part: Part, model: Model) -> NodeInterface:
 
 
 def _parameters(site: NodeSite, names: list[str]) -> Iterator[NodeParameter]:
-    """Yield what the launch gives to nodes; their defaults are not in the models."""
+    """Yield what the launch gives to nodes; their defaults are not in the models.
+
+    use_sim_time, which every node has, is off unless it is given.
+    """
     for node in names:
         given = {s.name: s.value for s in site.settings if covers(s.node, node)}
         given |= dict(site.overrides) if node == names[0] else {}
-        given.pop("use_sim_time", None)
-        for name, value in given.items():
+        default = False if site.complete else None
+        for name, value in {"use_sim_time": default, **given}.items():
             yield NodeParameter(node=node, name=name, value=plain_value(value))
 
 

@@ -37,7 +37,7 @@ from rtron.sources.code.natives.ros2_nodes import (
     resolved,
     sub_node,
 )
-from rtron.sources.code.natives.ros2_parameters import OVERRIDES
+from rtron.sources.code.natives.ros2_parameters import AUTOMATIC, OVERRIDES
 from rtron.sources.declaration import NodeSite
 
 _UNKNOWN = Hole("?")
@@ -125,7 +125,7 @@ def make_node(machine: Machine, arguments: Arguments, *, lifecycle: bool = False
     words = _words(arguments, chosen)
     fields = {NAME: full_name(machine, words), SUB: Known("")}
     fields |= {_OPTIONS: chosen, GLOBALLY: Known(words.globally)}
-    fields |= {OVERRIDES: _overrides(chosen), "node.automatic": chosen.fields[_AUTOMATIC]}
+    fields |= {OVERRIDES: _overrides(chosen), AUTOMATIC: chosen.fields[_AUTOMATIC]}
     made = Instance(LIFECYCLE_NODE if lifecycle else NODE, fields)
     _join(machine, made, words, chosen, arguments)
     return made

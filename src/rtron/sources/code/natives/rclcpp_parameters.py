@@ -22,6 +22,7 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.natives.cpp_arguments import escape_all
 from rtron.sources.code.natives.ros2_kinds import is_kind, is_unset, kind_of
 from rtron.sources.code.natives.ros2_parameters import (
+    AUTOMATIC,
     declared,
     is_declared,
     known,
@@ -122,7 +123,7 @@ def has_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value
 
 
 def _declares_all(owner: Value) -> bool:
-    return isinstance(owner, Instance) and owner.fields.get("node.automatic") == TRUE
+    return isinstance(owner, Instance) and owner.fields.get(AUTOMATIC) == TRUE
 
 
 def set_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value:

@@ -37,7 +37,7 @@ from rtron.sources.code.natives.ros2_nodes import (
     resolved,
 )
 from rtron.sources.code.natives.ros2_overriding import Overridable
-from rtron.sources.code.natives.ros2_parameters import OVERRIDES
+from rtron.sources.code.natives.ros2_parameters import AUTOMATIC, OVERRIDES
 from rtron.sources.declaration import DeclarationKind
 
 _UNKNOWN = Hole("?")
@@ -86,7 +86,7 @@ def initialise(
         (SUB, Known("")),
         (GLOBALLY, Known(words.globally)),
         (OVERRIDES, _overrides(words, given.get("parameter_overrides", NONE))),
-        ("node.automatic", automatic),
+        (AUTOMATIC, automatic),
     ):
         machine.trail.set(owner.fields, field, value)
 

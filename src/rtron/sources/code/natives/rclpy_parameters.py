@@ -23,6 +23,7 @@ from rtron.sources.code.interpreter.values import (
 )
 from rtron.sources.code.natives.ros2_kinds import is_unset, python_kind
 from rtron.sources.code.natives.ros2_parameters import (
+    AUTOMATIC,
     declared,
     is_declared,
     known,
@@ -121,7 +122,7 @@ def _has(machine: Machine, owner: Value, arguments: Arguments) -> Value:
     """`has_parameter(name)`."""
     name = arguments.get(0, "name") or _UNKNOWN
     answer = is_declared(machine, owner, name)
-    automatic = isinstance(owner, Instance) and owner.fields.get("node.automatic") == TRUE
+    automatic = isinstance(owner, Instance) and owner.fields.get(AUTOMATIC) == TRUE
     if answer is False and automatic:
         found = known(machine, owner, name)
         return FALSE if found is None else Hole("has_parameter")

@@ -16,7 +16,7 @@ from rtron.sources.code.interpreter.values import (
     truth,
 )
 from rtron.sources.code.natives.ros2_nodes import NodeWords, name_of, record, resolved
-from rtron.sources.code.natives.ros2_parameters import declared
+from rtron.sources.code.natives.ros2_parameters import declared, tell_overrides
 from rtron.sources.code.natives.ros2_qos import DEFAULT, PROFILES
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Evidence, QoS
@@ -140,6 +140,7 @@ def join_app(
         services(machine, node, PARAMETER_SERVICES, at)
     description = "type_description_interfaces/srv/GetTypeDescription"
     services(machine, node, {"get_type_description": description}, at)
+    tell_overrides(machine, node)
     simulated = declared(machine, node, Known("use_sim_time"), Known(value=False))
     if truth(simulated):
         _implied(machine, _SUBSCRIBE, node, "/clock", "rosgraph_msgs/msg/Clock", at, "clock")

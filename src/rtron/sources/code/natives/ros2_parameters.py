@@ -12,6 +12,7 @@ from rtron.sources.code.interpreter.machine import Machine, ThrownError
 from rtron.sources.code.interpreter.throwing import is_sure
 from rtron.sources.code.interpreter.values import (
     NONE,
+    TRUE,
     Choice,
     FunctionValue,
     Hole,
@@ -29,8 +30,7 @@ from rtron.sources.code.natives.ros2_nodes import NAME, name_of, takes_globals
 from rtron.sources.declaration import plain_value
 from rtron.vocabulary import PlainValue
 
-OVERRIDES = "node.overrides"
-_SIMULATED = "use_sim_time"
+OVERRIDES, AUTOMATIC = "node.overrides", "node.automatic"
 _PARTS = {"/**": "(?:/[^/]+)*", "/*": "/[^/]+"}
 
 
@@ -38,6 +38,20 @@ def declared(machine: Machine, node: Value, name: Value, default: Value | None) 
     """Declare a parameter and return its value; one that is declared already has its own."""
     values = [_declared(machine, node, option, default) for option in options(name)]
     return join(values)
+
+
+def tell_overrides(machine: Machine, node: Value) -> None:
+    """Record what a node declares of all that is set for it (rclcpp: NodeOptions, rclpy: Node)."""
+    if not (isinstance(node, Instance) and node.fields.get(AUTOMATIC) == TRUE):
+        return
+    own = node.fields.get(OVERRIDES)
+    items = own.items if isinstance(own, ListValue) else ()
+    given = [item.fields.get("name", NONE) for item in items if isinstance(item, Instance)]
+    launched = [Known(one.name) for one in machine.recorder.site.settings]
+    for name in (*launched, *given):
+        value = setting(machine, node, name)
+        if value is not None:
+            _told(machine, node, name, value)
 
 
 def known(machine: Machine, node: Value, name: Value) -> Value | None:
@@ -126,8 +140,8 @@ def _fits(value: Value, default: Value | None) -> bool:
 
 
 def _told(machine: Machine, node: Value, name: Value, value: Value) -> None:
-    """Record a parameter whose name is known; every node has use_sim_time."""
-    if isinstance(name, Known) and name.value != _SIMULATED:
+    """Record a parameter whose name is known."""
+    if isinstance(name, Known):
         for owner in options(name_of(node)):
             machine.recorder.parameter(spelled(owner), str(name.value), plain(value))
 
