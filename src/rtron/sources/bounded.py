@@ -12,15 +12,12 @@ from rtron.errors import InputError
 
 STDIN = Path("-")
 _HASHED = 64 * 2**20
-_SHELL = ("/dev/fd/", "/dev/stdin", "/proc/self/fd/")
-"""Where a shell's `<(command)` and standard input are."""
 
 
 def read_bounded(path: Path, max_bytes: int) -> bytes:
     """Return a file's bytes, or standard input's for `-`.
 
-    Raise InputError past `max_bytes`, for what cannot be read, and for a device or a pipe, which
-    may never end; the shell's are read.
+    Raise InputError past `max_bytes`, and for what cannot be read.
     """
     try:
         with _opened(path) as stream:
@@ -37,13 +34,26 @@ def read_bounded(path: Path, max_bytes: int) -> bytes:
     return data
 
 
+def read_found(path: Path, max_bytes: int) -> bytes:
+    """Return the bytes of a file that nobody named, as `read_bounded` does.
+
+    Raise InputError for a pipe or a device, too, which may never end.
+    """
+    try:
+        _check_end(path)
+    except OSError as error:
+        raise InputError(error.strerror or "cannot be read", path=str(path)) from None
+    return read_bounded(path, max_bytes)
+
+
 def content_hash(path: Path) -> str:
     """Return the hash of a file's content; empty for one that cannot be read.
 
     Past _HASHED bytes its size stands for the rest: no file that is read is longer.
     """
     try:
-        with _opened(path) as stream:
+        _check_end(path)
+        with path.open("rb") as stream:
             content = sha256(str(path.stat().st_size).encode())
             content.update(stream.read(_HASHED))
             return content.hexdigest()
@@ -51,14 +61,11 @@ def content_hash(path: Path) -> str:
         return ""
 
 
-def _is_endless(path: Path) -> bool:
+def _check_end(path: Path) -> None:
     mode = path.stat().st_mode
-    return not (S_ISREG(mode) or S_ISDIR(mode))
+    if not (S_ISREG(mode) or S_ISDIR(mode)):
+        raise OSError(EINVAL, "is a pipe or a device, no file")
 
 
 def _opened(path: Path) -> AbstractContextManager[BinaryIO]:
-    if path == STDIN:
-        return nullcontext(sys.stdin.buffer)
-    if _is_endless(path) and not str(path).startswith(_SHELL):
-        raise OSError(EINVAL, "is a pipe or a device, no file")
-    return path.open("rb")
+    return nullcontext(sys.stdin.buffer) if path == STDIN else path.open("rb")

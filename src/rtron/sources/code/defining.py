@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.workspace.package import Target, TargetKind
 
 MAX_BYTES = 4 * 2**20
@@ -59,6 +59,6 @@ def _words(path: Path) -> set[str]:
 
 def _text(path: Path) -> bytes:
     try:
-        return read_bounded(path, MAX_BYTES)
+        return read_found(path, MAX_BYTES)
     except InputError:
         return b""

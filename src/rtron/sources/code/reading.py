@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.messages.definitions import standard_names
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.code.cpp import lower_cpp
 from rtron.sources.code.defining import Texts, defining
 from rtron.sources.code.interpreter.files import Plugin
@@ -39,7 +39,7 @@ class WorkspaceFiles:
     def unit(self, path: Path, language: Language) -> Unit:
         """Return a file, lowered; one that cannot be read is empty, with a Problem."""
         try:
-            text = read_bounded(path, _MAX_SOURCE)
+            text = read_found(path, _MAX_SOURCE)
         except InputError as error:
             problem = Problem(0, f"cannot be read: {error.why}")
             return Unit(file=str(path), language=language, problems=(problem,))
@@ -75,7 +75,7 @@ class WorkspaceFiles:
         if not is_inside(path, folders) or not path.is_file():
             return None
         try:
-            return read_bounded(path, MAX_DATA).decode("utf-8", "replace")
+            return read_found(path, MAX_DATA).decode("utf-8", "replace")
         except InputError:
             return None
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.declaration import (
     Declaration,
     DeclarationKind,
@@ -39,7 +39,7 @@ _VALUED = frozenset(
 def read_shell(path: Path) -> NodeInterface:
     """Return what a script starts and publishes."""
     try:
-        text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace")
+        text = read_found(path, MAX_BYTES).decode("utf-8", "replace")
     except InputError as error:
         fault = Unresolved(what=path.name, why=str(error), evidence=(Evidence(file=str(path)),))
         return NodeInterface(unresolved=(fault,))

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.yaml_text import parse_yaml, plain
 from rtron.sources.workspace.files import is_regular
@@ -33,7 +33,7 @@ def _held(path: Path) -> dict[str, object]:
     if not path.is_absolute() or not is_regular(path):
         return {}
     try:
-        text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace")
+        text = read_found(path, MAX_BYTES).decode("utf-8", "replace")
         documents = parse_yaml(text, str(path)).documents
         values = [plain(document) for document in documents if document is not None]
     except (InputError, ValueError):

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.code.python.decoding import decode
 from rtron.sources.code.python.parsing import parse
 from rtron.sources.code.python.unit import MAX_BYTES
@@ -56,7 +56,7 @@ def _of_elements(path: Path) -> Iterator[_Declared]:
 
 def _of_python(path: Path) -> Iterator[_Declared]:
     """Yield the arguments whose names are written out where they are declared."""
-    tree, _ = parse(decode(read_bounded(path, MAX_BYTES))[0])
+    tree, _ = parse(decode(read_found(path, MAX_BYTES))[0])
     for call in ast.walk(tree):
         if isinstance(call, ast.Call) and _name(call.func) == _DECLARES:
             given = {word.arg: word.value for word in call.keywords}

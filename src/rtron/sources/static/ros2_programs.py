@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.declaration import NodeSite
 from rtron.sources.static.task import Task, TaskKind
 from rtron.sources.workspace import Language, Program, Workspace
@@ -78,7 +78,7 @@ def _is_made(cls: str, sources: set[Path], task: Task) -> bool:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return read_bounded(path, _MAX_SOURCE)
+        return read_found(path, _MAX_SOURCE)
     except InputError:
         return b""
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 
 MAX_BYTES = 1024 * 1024
 
@@ -27,7 +27,7 @@ def entry_points(package: Path) -> Mapping[str, tuple[str, str]]:
 
 def _of_setup(path: Path) -> Iterator[str]:
     try:
-        tree = ast.parse(read_bounded(path, MAX_BYTES) if path.is_file() else b"")
+        tree = ast.parse(read_found(path, MAX_BYTES) if path.is_file() else b"")
     except (InputError, SyntaxError, ValueError, RecursionError, MemoryError):
         return
     for node in ast.walk(tree):
@@ -48,7 +48,7 @@ def _texts(node: ast.expr) -> Iterator[str]:
 def _of_config(path: Path) -> list[str]:
     reader = configparser.ConfigParser(interpolation=None)
     try:
-        reader.read_string(read_bounded(path, MAX_BYTES).decode("utf-8", "replace"))
+        reader.read_string(read_found(path, MAX_BYTES).decode("utf-8", "replace"))
     except (InputError, configparser.Error):
         return []
     return reader.get("options.entry_points", _SCRIPTS, fallback="").splitlines()

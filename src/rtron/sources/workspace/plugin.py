@@ -11,7 +11,7 @@ from pathlib import Path
 from lxml import etree
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.launch.document import MAX_BYTES, Element, line_of, parse_xml
 from rtron.sources.workspace.program import Program
 from rtron.vocabulary import Evidence
@@ -70,7 +70,7 @@ def _root(path: Path) -> Element:
     try:
         return parse_xml(path)
     except InputError:
-        text = _DECLARATION.sub(b"", read_bounded(path, MAX_BYTES))
+        text = _DECLARATION.sub(b"", read_found(path, MAX_BYTES))
         parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
         try:
             return etree.fromstring(b"<class_libraries>%b</class_libraries>" % text, parser)

@@ -4,7 +4,7 @@ import ast
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.workspace.files import is_regular
 
 MAX_BYTES = 1024 * 1024
@@ -36,7 +36,7 @@ def module_file(folder: Path, dotted: str) -> Path | None:
 
 def _package_dir(setup: Path) -> str | None:
     try:
-        tree = ast.parse(read_bounded(setup, MAX_BYTES) if setup.is_file() else b"")
+        tree = ast.parse(read_found(setup, MAX_BYTES) if setup.is_file() else b"")
     except (InputError, SyntaxError, ValueError, RecursionError, MemoryError):
         return None
     calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))

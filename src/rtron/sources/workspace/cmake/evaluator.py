@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded import read_found
 from rtron.sources.workspace.cmake.ament import AMENT_COMMANDS
 from rtron.sources.workspace.cmake.binding import bound, loop_values, restore
 from rtron.sources.workspace.cmake.blocks import Block, Branch, Statement, nest
@@ -109,7 +109,7 @@ class Evaluator:
         self.path = before
 
     def _parse(self, path: Path) -> list[Statement]:
-        text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace")
+        text = read_found(path, MAX_BYTES).decode("utf-8", "replace")
         commands, faults = read_commands(text)
         statements, nesting = nest(commands)
         for fault in (*faults, *nesting):
