@@ -12,8 +12,8 @@ import pytest
 SERVICE_TESTS = Path(__file__).parents[1] / "service"
 sys.path += [str(SERVICE_TESTS / "api"), str(SERVICE_TESTS / "controller")]
 from controller_plans import hello, plan  # noqa: E402
-from harness import free_port  # noqa: E402
-from site_of_tests import People, served, wait_for  # noqa: E402
+from harness import free_port, wait_for  # noqa: E402
+from site_of_tests import People, served  # noqa: E402
 
 from rtron.cli.settings_words import KEYS, patch_of  # noqa: E402
 from rtron.errors import InputError  # noqa: E402

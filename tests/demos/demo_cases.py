@@ -4,12 +4,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from contextlib import suppress
 from pathlib import Path
 from uuid import uuid4
 
-import pytest
+from harness import LIMIT_S, wait_for
 
 from rtron.demos.cases import CASES
 from rtron.demos.launching.run import begun
@@ -23,7 +22,6 @@ SPEED = 3.0
 _MARK = "TEST_OF_ENDING"
 _RUNNING = 9
 """So many processes are there when the app is starting."""
-_LIMIT = 60.0
 
 
 def studied(ros, folder, *cases):
@@ -84,7 +82,7 @@ def check_ending(ros, folder, number):
         wait_for(lambda: len(marked(mark)) >= _RUNNING or ran.poll() is not None)
         assert ran.poll() is None
         ran.send_signal(number)
-        assert ran.wait(_LIMIT) == 130
+        assert ran.wait(LIMIT_S) == 130
         assert marked(mark) == []
     finally:
         for pid in marked(mark):
@@ -104,11 +102,3 @@ def environ(folder):
         return (folder / "environ").read_bytes().split(b"\0")
     except OSError:
         return []
-
-
-def wait_for(condition):
-    deadline = time.monotonic() + _LIMIT
-    while not condition():
-        if time.monotonic() > deadline:
-            pytest.fail("waited in vain")
-        time.sleep(0.05)

@@ -5,10 +5,9 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
-from harness import wait_for
+from harness import lives, wait_for
 
 from rtron.demos.launching.processes import Processes
 from rtron.errors import SourceError
@@ -40,14 +39,6 @@ with Processes(Path(sys.argv[1])) as processes:
 """
 
 
-def is_there(pid):
-    try:
-        stat = Path("/proc", str(pid), "stat").read_text()
-    except OSError:
-        return False
-    return stat.rpartition(")")[2].split()[0] != "Z"
-
-
 @pytest.fixture
 def processes(tmp_path):
     with Processes(tmp_path) as processes:
@@ -61,8 +52,8 @@ def here(started):
 def test_what_runs_ends_with_the_block(tmp_path):
     with Processes(tmp_path) as processes:
         pids = [processes.start(SLEEP, os.environ).popen.pid for _ in range(3)]
-        assert all(map(is_there, pids))
-    assert not any(map(is_there, pids))
+        assert all(map(lives, pids))
+    assert not any(map(lives, pids))
 
 
 def test_who_does_not_listen_is_killed(tmp_path, monkeypatch):
@@ -79,8 +70,8 @@ def test_what_a_dead_process_has_left_in_another_session_is_killed(tmp_path):
         started = processes.start(LEFT_BEHIND, os.environ)
         pid = int(here(started))
         started.popen.wait(10)
-        assert is_there(pid)
-    assert not is_there(pid)
+        assert lives(pid)
+    assert not lives(pid)
 
 
 def test_a_strangers_process_is_left_alone(processes):
@@ -139,7 +130,7 @@ def test_an_interrupted_runner_leaves_nothing_behind(tmp_path, number, ignored):
     runner.send_signal(number)
     runner.communicate(timeout=60)
     assert len(pids) == 4
-    assert not any(map(is_there, pids))
+    assert not any(map(lives, pids))
 
 
 def test_an_interrupted_runner_says_that_it_ends():
@@ -176,7 +167,7 @@ def test_impatience_does_not_stop_the_ending(tmp_path):
         with suppress(subprocess.TimeoutExpired):
             runner.wait(0.1)
     runner.communicate(timeout=60)
-    assert not any(map(is_there, pids))
+    assert not any(map(lives, pids))
 
 
 def log(folder, number):

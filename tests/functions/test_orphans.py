@@ -1,16 +1,15 @@
-"""No process works on when the one that started it was killed."""
+"""No process lives on when the one that started it was killed."""
 
 import os
 import signal
 import subprocess
 import sys
-import time
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from harness import lives, wait_for
 
-LIMIT = 60.0
 BUSY = """
 from executor_work import linger
 from rtron.executors import Processes
@@ -38,22 +37,6 @@ sys.stdin.read()
 """
 
 
-def wait_for(condition):
-    until = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.01)
-
-
-def works(process):
-    """Return whether a process is there, and no zombie that nobody has asked for."""
-    try:
-        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return False
-    return state != "Z"
-
-
 @pytest.mark.parametrize(
     ("code", "number"),
     [(BUSY, 2), (BELOW, 2), (IDLE, 1), (INTERPRETING, 1)],
@@ -69,10 +52,10 @@ def test_processes_end_when_the_one_that_started_them_is_killed(tmp_path, code, 
     ) as starter:
         try:
             wait_for(lambda: len(started()) == number)
-            assert all(map(works, started()))
+            assert all(map(lives, started()))
             starter.kill()
             starter.wait()
-            wait_for(lambda: not any(map(works, started())))
+            wait_for(lambda: not any(map(lives, started())))
         finally:
             starter.kill()
             for process in started():

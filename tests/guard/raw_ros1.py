@@ -87,7 +87,14 @@ class RawPublisher:
 
     def send(self, data: bytes) -> None:
         for connection in list(self.connections):
+            self._send(connection, data)
+
+    def _send(self, connection: socket.socket, data: bytes) -> None:
+        try:
             connection.sendall(data)
+        except ConnectionError:  # the guard has left it, for another one or for good
+            self.connections.remove(connection)
+            connection.close()
 
     def _request_topic(self, *_: object) -> list[object]:
         return [1, "", ["TCPROS", "localhost", self._listener.getsockname()[1]]]
@@ -102,10 +109,9 @@ class RawPublisher:
             try:
                 connection.recv(1 << 16)
                 connection.sendall(encode_header(self._header))
+                self.connections.append(connection)
             except OSError:  # the guard has left
                 connection.close()
-            else:
-                self.connections.append(connection)
 
     def _close(self) -> None:
         self._slave.shutdown()

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from drive import CMD_VEL_GUARD, Driven, drive_plan, start_guard
-from harness import free_port, named, wait_for
+from harness import free_port, lives, named, wait_for
 from said import TWIST, say
 
 from rtron.guard.supervision.keeper import STARTING
@@ -93,22 +93,14 @@ def end_rest(supervised):
         pid = supervised.pid_of(node)
         if pid and supervised.process.ended:
             os.kill(pid, signal.SIGTERM)
-            wait_for(lambda pid=pid: is_over(pid), what=f"the end of {node}")
-
-
-def is_over(pid):
-    """Tell whether a process is gone, or dead and only not yet collected."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
-    except (FileNotFoundError, ProcessLookupError):
-        return True
+            wait_for(lambda pid=pid: not lives(pid), what=f"the end of {node}")
 
 
 def members(group):
     """Return the processes of a group that live."""
     found = []
     for folder in Path("/proc").iterdir():
-        if folder.name.isdigit() and not is_over(int(folder.name)):
+        if folder.name.isdigit() and lives(int(folder.name)):
             try:
                 same = os.getpgid(int(folder.name)) == group
             except ProcessLookupError:
@@ -136,7 +128,7 @@ def test_the_robot_is_stopped_and_the_guard_comes_back(supervised, cause):
     stopped = supervised.wait_for_stop(told)
     supervised.wait_for_speed("the velocity through the next guard", stopped)
     assert supervised.guard != guard
-    assert is_over(guard)
+    assert not lives(guard)
     supervised.assert_nothing_unchecked()
     diagnostics = supervised.ros1.run("rostopic", "echo", "-n", "1", "/diagnostics")
     assert "guard: the guard before" in diagnostics
@@ -170,7 +162,7 @@ def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
     stopped = supervised.wait_for_stop(told)
     limit_s = STARTING / SECOND * 0.9
     wait_for(lambda: SPEED in supervised.speeds()[stopped:], limit_s, what="the next guard")
-    assert is_over(spare)
+    assert not lives(spare)
 
 
 def test_a_python_driver_is_stopped_too(ros1):
@@ -244,7 +236,7 @@ def test_a_new_command_takes_over_the_guard_that_runs(supervised):
     assert min(supervised.speeds()) == SPEED
     again.stop()
     assert again.code == 0
-    assert is_over(guard)
+    assert not lives(guard)
 
 
 def test_a_new_command_takes_the_place_of_the_one_that_the_guard_has_started(supervised):
@@ -254,10 +246,10 @@ def test_a_new_command_takes_the_place_of_the_one_that_the_guard_has_started(sup
     stand_in, guard = supervised.supervisor, supervised.guard
     again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
     wait_for(lambda: supervised.supervisor == again.pid, what="the new supervisor")
-    wait_for(lambda: is_over(stand_in), what="the end of the one before")
+    wait_for(lambda: not lives(stand_in), what="the end of the one before")
     assert supervised.guard == guard
     again.stop()
-    assert is_over(guard)
+    assert not lives(guard)
 
 
 def test_a_new_command_with_another_plan_ends_the_guard_that_runs(supervised):
@@ -266,7 +258,7 @@ def test_a_new_command_with_another_plan_ends_the_guard_that_runs(supervised):
     os.kill(supervised.supervisor, signal.SIGKILL)
     again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
     wait_for(lambda: supervised.guard not in (None, guard), what="the new guard")
-    assert is_over(guard)
+    assert not lives(guard)
     wait_for(lambda: supervised.supervisor == again.pid, what="the new supervisor")
     again.stop()
 
@@ -351,7 +343,7 @@ def test_a_guard_whose_supervisor_and_owner_are_gone_stops_the_robot_and_ends(ro
     os.kill(pids[0], signal.SIGKILL)
     os.kill(owner.pid, signal.SIGKILL)
     wait_for(lambda: members(owner.pid) == [], what="the end of the guard")
-    assert is_over(pids[1])
+    assert not lives(pids[1])
     assert "who has started it too" in owner.log
 
 

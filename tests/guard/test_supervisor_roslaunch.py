@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from drive import Driven, drive_plan, write_app
-from harness import wait_for
+from harness import lives, wait_for
 
 from rtron.planning.write import write_plan
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
@@ -38,13 +38,6 @@ def parent(pid):
     return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
 
 
-def is_there(pid):
-    try:
-        return parent(pid) is not None
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-
-
 def test_a_supervisor_that_is_killed_is_respawned_and_takes_over_the_guard(ros1, launched):
     roslaunch, driven = launched
     guard, supervisor = pid_of(ros1, GUARD_NODE), pid_of(ros1, SUPERVISOR_NODE)
@@ -53,9 +46,7 @@ def test_a_supervisor_that_is_killed_is_respawned_and_takes_over_the_guard(ros1,
 
     def respawned():
         found = pid_of(ros1, SUPERVISOR_NODE)
-        return (
-            found not in (None, supervisor) and is_there(found) and (parent(found) == roslaunch.pid)
-        )
+        return found not in (None, supervisor) and lives(found) and parent(found) == roslaunch.pid
 
     wait_for(respawned, what="roslaunch's new supervisor")
     arrived = driven.navigation()
@@ -63,7 +54,7 @@ def test_a_supervisor_that_is_killed_is_respawned_and_takes_over_the_guard(ros1,
     assert pid_of(ros1, GUARD_NODE) == guard
     again = pid_of(ros1, SUPERVISOR_NODE)
     roslaunch.stop()
-    assert not any(map(is_there, (guard, again)))
+    assert not any(map(lives, (guard, again)))
 
 
 def test_a_guard_that_is_killed_comes_back_and_ends_with_roslaunch(ros1, launched):
@@ -74,4 +65,4 @@ def test_a_guard_that_is_killed_comes_back_and_ends_with_roslaunch(ros1, launche
     again = pid_of(ros1, GUARD_NODE)
     assert parent(again) == supervisor
     roslaunch.stop()
-    assert not any(map(is_there, (again, supervisor)))
+    assert not any(map(lives, (again, supervisor)))

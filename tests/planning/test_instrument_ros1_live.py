@@ -5,13 +5,12 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
-import time
 from contextlib import contextmanager
 from pathlib import Path
 from xmlrpc.client import ServerProxy
 
 import pytest
+from harness import lives, wait_for
 
 from rtron.planning.instrument import instrument, write_instrumented
 from rtron.sources.launch.packages import find_packages
@@ -51,14 +50,6 @@ APP = {
 </launch>""",
 }
 PLAN = plan_of(grcn("/cmd_vel", ["/teleop", "/nav/planner_*", "/both"], ["/base", "/both"]))
-
-
-def wait_for(condition):
-    """Wait until a condition holds; look again every 50 ms."""
-    deadline, pause = time.monotonic() + LIMIT, threading.Event()
-    while not condition():
-        assert time.monotonic() < deadline, "waited for too long"
-        pause.wait(0.05)
 
 
 @contextmanager
@@ -150,5 +141,5 @@ def test_plain_roslaunch_starts_the_guarded_app_and_the_guard(master, environ, t
         wait_for(closed)
         assert "/cmd_vel" not in ends(master)[1]
         assert plan == str(out.parent / "app.d" / "rtron.yaml")
-        assert Path("/proc", process).exists()
-    wait_for(lambda: not Path("/proc", process).exists())
+        assert lives(process)
+    wait_for(lambda: not lives(process))

@@ -42,6 +42,15 @@ def wait_for(condition, limit_s=LIMIT_S, what="the condition"):
     return found
 
 
+def lives(pid):
+    """Tell whether a process is there, and no zombie: who collects an orphan may take its time."""
+    try:
+        stat = Path("/proc", str(pid), "stat").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return stat.rpartition(")")[2].split()[0] != "Z"
+
+
 def free_port():
     """Return a port that is free, and that the system gives to nobody meanwhile.
 

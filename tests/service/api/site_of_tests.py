@@ -3,10 +3,10 @@
 import itertools
 import socket
 import threading
-import time
 from contextlib import contextmanager
 
 import uvicorn
+from harness import wait_for
 
 from rtron.service.api.models import Scope, UserRole
 from rtron.service.config import Config
@@ -83,12 +83,3 @@ def served(app, config=None):
         server.should_exit = True
         thread.join(60)
         assert not thread.is_alive()
-
-
-def wait_for(condition, seconds=60.0):
-    """Wait until something is so."""
-    until = time.monotonic() + seconds
-    while not (found := condition()):
-        assert time.monotonic() < until, "it did not happen"
-        time.sleep(0.01)
-    return found

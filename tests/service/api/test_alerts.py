@@ -8,7 +8,7 @@ from queue import Queue
 from threading import Thread
 
 import pytest
-from site_of_tests import wait_for
+from harness import wait_for
 from sqlalchemy import text
 
 from rtron.errors import InputError, SourceError

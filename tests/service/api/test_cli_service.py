@@ -9,8 +9,7 @@ import sys
 
 import httpx
 import pytest
-from harness import free_port
-from site_of_tests import wait_for
+from harness import free_port, wait_for
 
 from rtron.cli.main import main
 from rtron.errors import InputError

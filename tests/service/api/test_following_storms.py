@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from site_of_tests import wait_for
+from harness import wait_for
 
 from rtron.service.collector.collector import MOST_TOLD
 from rtron.service.store.events import Batch, add_events

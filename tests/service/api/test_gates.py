@@ -5,7 +5,8 @@ import threading
 import time
 
 import pytest
-from site_of_tests import People, served, wait_for
+from harness import wait_for
+from site_of_tests import People, served
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 

@@ -2,7 +2,7 @@ import json
 import time
 
 import pytest
-from site_of_tests import wait_for
+from harness import wait_for
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 

@@ -11,7 +11,8 @@ import pytest
 sys.path.append(str(Path(__file__).parents[1] / "api"))
 from console_guard import LinkedGuard
 from console_robot import FIXTURE, plan
-from site_of_tests import PASSWORD, People, served, wait_for
+from harness import wait_for
+from site_of_tests import PASSWORD, People, served
 
 from rtron.service.app import create_app
 from rtron.service.config import Config

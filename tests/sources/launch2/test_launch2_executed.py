@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from harness import lives
 from launched_app import names, values, whys
 
 from rtron.errors import InputError, SourceError
@@ -288,12 +289,6 @@ subprocess.Popen([sys.executable, '-c', {SLEEPER!r}], start_new_session=True)
 while not (os.path.exists(os.environ['MARK']) and open(os.environ['MARK']).read()):
     time.sleep(0.01)
 """
-
-
-def lives(pid):
-    """Tell whether a process is there, and no zombie that its parent has not looked at."""
-    status = Path(f"/proc/{pid}/stat")
-    return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
 def test_all_that_a_launch_file_starts_itself_ends_with_it(app):
