@@ -1,4 +1,4 @@
-"""A Dask cluster of two worker processes; run as a program, it lives until its input ends."""
+"""A Dask cluster of worker processes; run as a program, it lives until its input ends."""
 
 import os
 import subprocess

@@ -70,7 +70,7 @@ def test_nothing_to_do_on_a_cluster(address):
 
 def test_an_item_that_ends_its_worker_costs_itself_only():
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
-    with local_cluster(1) as address:
+    with local_cluster(3) as address:  # it ends two, the third need not be started again
         found = list(Cluster(address, seconds=60).map(end_at_three, range(6)))
     assert found == [0, 1, 2, Failed("the process that worked on it ended"), 4, 5]
 

@@ -6,10 +6,11 @@ The lock ends with the process, however that ends.
 import fcntl
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from sqlalchemy import text
+from sqlalchemy import Connection, text
+from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.errors import InputError
 from rtron.service.store.database import Database
@@ -39,7 +40,14 @@ def _locked_server(database: Database) -> Iterator[None]:
         try:
             yield
         finally:
-            connection.invalidate()
+            _unlock(connection)
+
+
+def _unlock(connection: Connection) -> None:
+    """Let the next one begin at once; a server that is gone has forgotten the lock with us."""
+    with suppress(SQLAlchemyError):
+        connection.execute(text("SELECT pg_advisory_unlock(:key)"), {"key": _KEY})
+    connection.invalidate()
 
 
 @contextmanager
