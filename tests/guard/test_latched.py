@@ -190,6 +190,16 @@ def test_the_very_moment_of_the_last_sign_of_life_counts_as_before():
     assert out == words[1:]
 
 
+def test_what_a_guard_that_was_killed_has_not_heard_is_new():
+    """It was there when the second was said, and had not taken it: the numbers tell."""
+    words = given(3600, 60, 3)
+    transport, _, written = guard()
+    hear(transport, words[:1])
+    transport, out, _ = guard(written[-1], left_at=time_ns())
+    hear(transport, words)
+    assert out == words[1:]
+
+
 @pytest.mark.parametrize("kind", [StreamKind.ACTION, StreamKind.COMMAND])
 def test_where_no_guard_was_before_all_that_was_kept_is_heard(kind):
     words = given(3600, 60, 3)

@@ -13,12 +13,14 @@ pytest.importorskip("rclpy")
 from outside2 import kept, twist
 from plans2 import driving, written
 
-from rtron.vocabulary import Durability, Reliability, flow_topic, output_topic
+from rtron.vocabulary import SECOND, Durability, Reliability, flow_topic, output_topic
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.session import Session
 
 pytestmark = pytest.mark.ros2
 PLAN = written(driving("nav", "teleop"))
+PATIENT = written(driving("teleop", "nav", silent_after=60 * SECOND))
+"""What one word sets in motion is not stopped while the driver, on a busy machine, is awaited."""
 TOPIC = "/cmd_vel"
 NAV, OUT = flow_topic(TOPIC, "nav"), output_topic(TOPIC)
 EVIL = "9.0"
@@ -30,9 +32,9 @@ SETTLED = 300
 def guard(ros2):
     """Start the guard; it is ready when it says so."""
 
-    def start():
+    def start(text=PLAN):
         plan = ros2.folder / "rtron.yaml"
-        plan.write_text(PLAN)
+        plan.write_text(text)
         guard = ros2.rtron("guard", "--plan", plan)
         wait_for(lambda: "guarding 1 topics" in guard.log or guard.ended, what="the guard")
         assert not guard.ended, guard.log
@@ -107,7 +109,7 @@ def test_what_was_latched_before_the_guard_came_arrives_but_moves_no_driver_that
     nav = speaker(ros2, "/nav", NAV, "0.5", "10", "1", "latched")
     wait_for(lambda: "said all" in nav.log, what="the one word")
     driver = ros2.node("driver2.py", OUT, "latched", name="/driver")
-    guard()
+    guard(PATIENT)
     wait_for(lambda: speeds(driver)["0.5"], what="what was latched")
     came = time.monotonic()
     assert offered_by_the_guard(domain).durability is Durability.TRANSIENT_LOCAL

@@ -9,7 +9,8 @@ says matter to that: a goal that is given twice counts twice, also while no guar
 What was said while the guard before was there is not done either: after a restart of the whole no
 numbers are left, but the time of its last sign of life is. This goes by DDS's time of when it was
 said. A publisher whose clock is slow shall be heard all the same, so only what comes as a
-connection begins, as what was kept does, is held against it.
+connection begins, as what was kept does, is held against it. Where its numbers are left, they alone
+count: a guard may have been there, and killed before it had heard what was said.
 """
 
 import logging
@@ -45,8 +46,10 @@ class Latched:
         first, history_until = True, monotonic_ns() + _HISTORY_COMES
 
         def receive(message: bytes) -> None:
-            nonlocal first
+            nonlocal first, history_until
             is_first, first = first, False
+            if is_first and self._has_numbers_of(message):
+                history_until = 0
             is_new = self._is_new(node, message, is_first=is_first)
             if is_new and not (self._is_from_before(message) and monotonic_ns() < history_until):
                 take(message)
@@ -54,6 +57,9 @@ class Latched:
                 log.warning("%s: what %s has kept is old; it is dropped", self._topic, node)
 
         return receive
+
+    def _has_numbers_of(self, message: bytes) -> bool:
+        return isinstance(message, Numbered) and message.writer in self._last
 
     def _is_from_before(self, message: bytes) -> bool:
         """Tell whether a message was said before the last guard was gone; False if nobody knows."""
