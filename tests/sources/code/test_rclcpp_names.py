@@ -35,6 +35,10 @@ def test_a_namespace_of_the_launch_counts_beside_the_name_of_the_source():
         ("get_fully_qualified_name()", "/ns/n"),
         ('std::string(get_name()) + "/" + "x"', "/ns/n/x"),
         ('std::string("{node}/x")', "/ns/n/x"),
+        ('get_node_topics_interface()->resolve_topic_name("x")', "/ns/x"),
+        ('get_node_topics_interface()->resolve_topic_name("~/x")', "/ns/n/x"),
+        ('get_node_services_interface()->resolve_service_name("/x")', "/x"),
+        ('create_sub_node("left")->get_node_topics_interface()->resolve_topic_name("x")', "/ns/x"),
     ],
 )
 def test_a_nodes_own_names_are_known(expression, expected):

@@ -24,6 +24,7 @@ from rtron.sources.code.natives import ros2_endpoints
 from rtron.sources.code.natives.names import value_of
 from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT_METHODS
 from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_METHODS, parameter, watch
+from rtron.sources.code.natives.ros2_names import expanded
 from rtron.sources.code.natives.ros2_nodes import (
     GLOBALLY,
     NAME,
@@ -181,6 +182,11 @@ def _own_options(machine: Machine, owner: Instance, arguments: Arguments) -> Val
     return make_options(machine, Arguments(values=values, frame=arguments.frame))
 
 
+def _resolved_name(_: Machine, owner: Instance, arguments: Arguments) -> Value:
+    """`get_node_topics_interface()->resolve_topic_name(name)`: it adds no sub-namespace."""
+    return expanded(arguments.get(0) or _UNKNOWN, name_of(owner), Known(""))
+
+
 def _field(field: str, _: Machine, owner: Instance, arguments: Arguments) -> Value:
     del arguments
     return owner.fields.get(field, _UNKNOWN)
@@ -215,6 +221,7 @@ NODE_METHODS: Mapping[str, Callable[..., Value]] = {
     "get_fully_qualified_name": lambda machine, owner, arguments: name_of(owner),
     "get_sub_namespace": partial(_field, SUB),
     "get_effective_namespace": _effective,
+    **dict.fromkeys(("resolve_topic_name", "resolve_service_name"), _resolved_name),
     "create_sub_node": _sub_node,
     "get_node_options": _own_options,
 }
