@@ -76,6 +76,21 @@ def test_a_node_may_be_created_without_a_class():
     assert names(python("other.create_publisher(Bool, 't', 1)", top)) == ["/far/t"]
 
 
+def test_what_is_imported_from_the_module_that_defines_it():
+    top = """from a_msgs.action._dock import Dock
+from rclpy.action.server import ActionServer
+from std_msgs.msg._float64 import Float64
+from std_srvs.srv import Trigger"""
+    body = """self.create_publisher(Float64, 't', 1)
+ActionServer(self, Dock, 'd', lambda g: None)
+self.create_publisher(Trigger.Request, 'u', 1)"""
+    assert written(python(body, top)) == [
+        "publish /ns/t std_msgs/msg/Float64",
+        "action_server /ns/d a_msgs/action/Dock",
+        "publish /ns/u ",
+    ]
+
+
 @pytest.mark.parametrize(
     ("written_qos", "expected"),
     [

@@ -51,6 +51,17 @@ def test_a_substitution_that_has_a_value(python, xml, python_text, xml_text, val
         assert app.unresolved == ()
 
 
+def test_what_is_imported_from_the_module_that_defines_it(python):
+    imports = """from launch.actions.declare_launch_argument import DeclareLaunchArgument
+from launch.substitutions.launch_configuration import LaunchConfiguration
+import launch_ros.actions.node
+Node = launch_ros.actions.node.Node"""
+    described = "DeclareLaunchArgument('a', default_value='x'), "
+    app = python(f"{described} Node(package=LaunchConfiguration('a'), executable='e')", imports)
+    assert app.starts[0].package == "x"
+    assert app.unresolved == ()
+
+
 def test_where_packages_and_files_lie(python, xml, package):
     share = str(package)
     for text in (

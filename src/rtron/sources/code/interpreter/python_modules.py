@@ -106,7 +106,11 @@ class PythonModules:
         return {name.removeprefix(prefix): self.natives[name] for name in names}
 
     def _foreign(self, dotted: str) -> Value:
-        return self.natives.get(dotted) or message_type(dotted) or Foreign(dotted)
+        for name in (dotted, _exported(dotted)):
+            known = self.natives.get(name) or message_type(name)
+            if known is not None:
+                return known
+        return Foreign(dotted)
 
     def _import_all(self, module: Value, frame: Frame) -> None:
         if isinstance(module, ModuleValue):
@@ -154,6 +158,14 @@ def called_as(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Fu
         else:
             for name in ("body", "orelse", "final"):
                 yield from called_as(getattr(statement, name, ()) or ())
+
+
+def _exported(dotted: str) -> str:
+    """Return `a.b.C` for `a.b.c.C`: a package has what its modules define; others stay."""
+    module, _, name = dotted.rpartition(".")
+    package, _, last = module.rpartition(".")
+    is_class = bool(package) and name[:1].isupper() and not last[:1].isupper()
+    return f"{package}.{name}" if is_class else dotted
 
 
 def _absolute(node: Import) -> str:

@@ -57,7 +57,8 @@ def type_name(value: Value | None) -> str:
     for option in options(value):
         if isinstance(option, MessageType):
             return option.name
-        parts = option.name.split(".") if isinstance(option, Foreign) else []
+        dotted = option.name.split(".") if isinstance(option, Foreign) else []
+        parts = [part for part in dotted if not part.startswith("_")]
         if len(parts) == _MODULE_PARTS and parts[1] in {"msg", "srv", "action"}:
             return "/".join(parts)
     return ""
