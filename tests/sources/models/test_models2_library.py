@@ -229,6 +229,22 @@ def test_a_velocity_is_stamped_as_the_distribution_and_the_parameters_say(
     assert types == {f"geometry_msgs/msg/{type}"}
 
 
+@pytest.mark.parametrize(
+    ("distribution", "topic"),
+    [("humble", "/n/cmd_vel_unstamped"), ("jazzy", "/n/cmd_vel"), ("", "/n/cmd_vel_unstamped")],
+)
+def test_a_parameter_of_older_releases_counts_where_the_distribution_may_be_one(
+    distribution, topic
+):
+    at = site2(
+        name="/n",
+        settings={"/**": {"use_stamped_vel": False}},
+        environ=[("ROS_DISTRO", distribution)] if distribution else [],
+    )
+    model = MODELS.controller("diff_drive_controller/DiffDriveController")
+    assert names(interface(model, at, models=MODELS), "subscribe") == {topic}
+
+
 def test_a_node_that_its_launch_does_not_name_has_its_own_name():
     found = modelled("teleop_twist_joy/teleop_node", name="/r/teleop_node", named=False)
     assert [made.name for made in found.nodes] == ["/r/teleop_twist_joy_node"]

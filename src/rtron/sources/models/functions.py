@@ -96,9 +96,11 @@ def _robot_namespace(scope: Scope) -> Value:
     return "" if namespace is None else namespace or _model(scope)
 
 
-def _since(scope: Scope, distribution: str) -> bool:
-    latest = LATEST2 if scope.is_ros2 else LATEST
-    return dict(scope.site.environ).get("ROS_DISTRO", latest) >= distribution
+def _since(scope: Scope, distribution: str, unset: Value = None) -> Value:
+    known = dict(scope.site.environ).get("ROS_DISTRO")
+    if known is None and unset is not None:
+        return unset
+    return (known or (LATEST2 if scope.is_ros2 else LATEST)) >= distribution
 
 
 def _argument(args: Sequence[str], index: int, default: Value = None, valued: str = "") -> Value:
