@@ -294,6 +294,14 @@ RVIZ = """Visualization Manager:
   - {Class: rviz_default_plugins/Map, Enabled: true, Topic: {Value: /map},
      Update Topic: {Value: /map_updates}}
   - {Class: rviz_default_plugins/Image, Enabled: true, Topic: [1]}
+  - {Class: rviz_default_plugins/RobotModel, Description Source: Topic,
+     Description Topic: {Value: robot_description}}
+  - {Class: rviz_default_plugins/RobotModel, Description Source: File,
+     Description Topic: {Value: unheard}}
+  - {Class: rviz_default_plugins/Camera, Topic: {Value: /eye/image_raw}}
+  - {Class: rviz_default_plugins/DepthCloud, Depth Map Topic: /depth/image,
+     Color Image Topic: /color/image}
+  - {Class: rviz_default_plugins/InteractiveMarkers, Interactive Markers Namespace: /arm/}
   Tools:
   - {Class: rviz_default_plugins/SetGoal, Topic: {Value: /goal}}
   - {Class: rviz_default_plugins/MoveCamera}
@@ -309,6 +317,19 @@ def test_an_rviz_shows_and_sends_what_its_file_says(tmp_path):
         ("subscribe", "/map", "nav_msgs/msg/OccupancyGrid"),
         ("subscribe", "/map_updates", "map_msgs/msg/OccupancyGridUpdate"),
         ("publish", "/goal", "geometry_msgs/msg/PoseStamped"),
+        ("subscribe", "/robot/robot_description", "std_msgs/msg/String"),
+        ("subscribe", "/eye/image_raw", "sensor_msgs/msg/Image"),
+        ("subscribe", "/eye/camera_info", "sensor_msgs/msg/CameraInfo"),
+        ("subscribe", "/depth/image", "sensor_msgs/msg/Image"),
+        ("subscribe", "/depth/camera_info", "sensor_msgs/msg/CameraInfo"),
+        ("subscribe", "/color/image", "sensor_msgs/msg/Image"),
+        ("subscribe", "/arm/update", "visualization_msgs/msg/InteractiveMarkerUpdate"),
+        ("publish", "/arm/feedback", "visualization_msgs/msg/InteractiveMarkerFeedback"),
+        (
+            "service_client",
+            "/arm/get_interactive_markers",
+            "visualization_msgs/srv/GetInteractiveMarkers",
+        ),
     }
     (scan,) = [d for d in found.declarations if d.name == "/scan"]
     assert scan.qos == QoS(depth=7, reliability=Reliability.BEST_EFFORT)

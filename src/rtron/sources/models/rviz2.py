@@ -11,7 +11,15 @@ _TOOLS = {
     "SetGoal": ("goal_pose", "geometry_msgs/msg/PoseStamped"),
     "PublishPoint": ("clicked_point", "geometry_msgs/msg/PointStamped"),
 }
-_UPDATES = "map_msgs/msg/OccupancyGridUpdate"
+_DESCRIPTION, _MARKERS = "Description Topic", "Interactive Markers Namespace"
+_TOPIC_KEYS = (*TOPIC_KEYS, _DESCRIPTION, "Color Image Topic")
+_TYPES = {
+    "Update Topic": "map_msgs/msg/OccupancyGridUpdate",
+    _DESCRIPTION: "std_msgs/msg/String",
+}
+_WITH_INFO = {("Camera", "Topic"), ("DepthCloud", "Depth Map Topic")}
+"""The displays that hear `camera_info` beside the topic of this key too."""
+
 _ROS1, _PACKAGE = "rviz/", "rviz_default_plugins/"
 
 
@@ -32,13 +40,27 @@ def rviz2_publications(config: Value) -> list[dict[str, str]]:
     return [sent for tool in tools for sent in _sent(tool)]
 
 
+def rviz2_markers(config: Value) -> list[str]:
+    """Return the namespaces of the enabled displays of interactive markers."""
+    tree = manager(config)
+    shown = () if has_hole(tree) else displays(tree.get("Displays"))
+    named = (display.get(_MARKERS) for display in shown)
+    return [name.rstrip("/") for name in named if isinstance(name, str) and name.strip("/")]
+
+
 def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
-    type = _type(str(display.get("Class", "")))
-    for key in TOPIC_KEYS:
+    kind = str(display.get("Class", ""))
+    is_file = display.get("Description Source") == "File"
+    for key in _TOPIC_KEYS:
         topic = display.get(key)
-        if isinstance(topic, Mapping) and isinstance(topic.get("Value"), str) and topic["Value"]:
-            shown = _UPDATES if key == "Update Topic" else type
-            yield {"topic": topic["Value"], "type": shown, "qos": _qos(topic)}
+        topic = topic if isinstance(topic, Mapping) else {"Value": topic}
+        name = topic.get("Value")
+        if not isinstance(name, str) or not name or (key == _DESCRIPTION and is_file):
+            continue
+        yield {"topic": name, "type": _TYPES.get(key, _type(kind)), "qos": _qos(topic)}
+        if (kind.removeprefix(_PACKAGE), key) in _WITH_INFO:
+            info = f"{name.rpartition('/')[0]}/camera_info"
+            yield {"topic": info, "type": "sensor_msgs/msg/CameraInfo", "qos": "5 best_effort"}
 
 
 def _type(kind: str) -> str:
