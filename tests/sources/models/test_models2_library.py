@@ -46,6 +46,8 @@ NODES = [
     "robot_localization/ukf_node",
     "robot_state_publisher/robot_state_publisher",
     "ros_gz_sim/create",
+    "rosapi/rosapi_node",
+    "rosbridge_server/rosbridge_websocket",
     "rplidar_ros/rplidar_node",
     "rviz2/rviz2",
     "slam_toolbox/async_slam_toolbox_node",
@@ -62,6 +64,7 @@ NODES = [
     "twist_mux/twist_mux",
     "usb_cam/usb_cam_node_exe",
     "v4l2_camera/v4l2_camera_node",
+    "web_video_server/web_video_server",
 ]
 CONTROLLERS = [
     "diff_drive_controller/DiffDriveController",
@@ -333,6 +336,21 @@ def test_an_rviz_shows_and_sends_what_its_file_says(tmp_path):
     }
     (scan,) = [d for d in found.declarations if d.name == "/scan"]
     assert scan.qos == QoS(depth=7, reliability=Reliability.BEST_EFFORT)
+
+
+def test_what_clients_over_the_network_open_is_noted():
+    settings = {"/**": {"topics_glob": "[/odom]"}}
+    bridge = modelled("rosbridge_server/rosbridge_websocket", name="/r/web", settings=settings)
+    assert told(bridge) == {
+        ("publish", "/r/client_count", "std_msgs/msg/Int32"),
+        ("publish", "/r/connected_clients", "rosbridge_msgs/msg/ConnectedClients"),
+    }
+    assert "topics_glob [/odom]" in bridge.unresolved[0].why
+    video = modelled("web_video_server/web_video_server")
+    assert [note.what for note in video.unresolved] == ["the images of web_video_server"]
+    asked = modelled("rosapi/rosapi_node", name="/r/rosapi_node", named=False)
+    assert [node.name for node in asked.nodes] == ["/r/rosapi", "/r/rosapi_params"]
+    assert {name.rpartition("/")[0] for name in names(asked, "service")} == {"/rosapi"}
 
 
 def test_arguments_that_the_client_library_takes_are_not_the_nodes():
