@@ -178,6 +178,8 @@ def test_a_plugin_hosts_the_controller_manager(launched, tmp_path, plugin):
     graph = launched(files)
     assert "< /bot/robot_description" in ends(graph, "/bot/controller_manager")
     assert "< /cmd_vel" in ends(graph, "/bot/base")
+    own = [node.name for node in graph.nodes if node.name.startswith("/bot/gz")]
+    assert own == ([] if "gazebo" in plugin else ["/bot/gz_ros_control"])
     assert graph.unresolved == ()
 
 
