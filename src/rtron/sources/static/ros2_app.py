@@ -22,6 +22,7 @@ from rtron.sources.static.pool import Pool
 from rtron.sources.static.ros2_assembly import Ros2Assembly
 from rtron.sources.static.ros2_controllers import ControllerNodes
 from rtron.sources.static.ros2_known import with_known
+from rtron.sources.static.ros2_repeated import repeated
 from rtron.sources.static.ros2_scan import ros2_workspace
 from rtron.sources.static.ros2_simulation import GazeboNodes
 from rtron.sources.static.ros2_started import StartedNodes
@@ -65,6 +66,7 @@ def scan_ros2_app(
         own = interpreting.finished([part for part in controllers if part.task])
         for part in (*parts, *(part for part in controllers if not part.task), *own):
             assembly.add(with_known(part, files, made))
+    assembly.note(*repeated(nodes))
     assembly.note(*(note for launch in read for note in launch.unresolved))
     assembly.note(*started.notes.unresolved)
     return assembly.graph(Path(read[0].file).name.split(".")[0] if read else "")
