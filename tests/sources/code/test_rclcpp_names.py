@@ -45,6 +45,16 @@ def test_a_nodes_own_names_are_known(expression, expected):
     assert names(cpp(f"create_publisher<std_msgs::msg::Bool>({expression}, 1);")) == [expected]
 
 
+@pytest.mark.parametrize("question", ["count_publishers", "get_subscriptions_info_by_topic"])
+def test_who_asks_the_graph_for_a_name_does_not_change_it(question):
+    body = f"""
+    std::string name = "x";
+    auto found = {question}(name);
+    create_publisher<std_msgs::msg::Bool>(name, 1);
+    """
+    assert names(cpp(body)) == ["/ns/x"]
+
+
 def test_a_sub_node_adds_to_relative_names_alone():
     body = """
     auto sub = create_sub_node("left");

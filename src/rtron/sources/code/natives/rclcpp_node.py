@@ -23,8 +23,8 @@ from rtron.sources.code.interpreter.values import (
 from rtron.sources.code.natives import ros2_endpoints
 from rtron.sources.code.natives.names import value_of
 from rtron.sources.code.natives.rclcpp_endpoints import ENDPOINT_METHODS
+from rtron.sources.code.natives.rclcpp_graph import GRAPH_METHODS
 from rtron.sources.code.natives.rclcpp_parameters import PARAMETER_METHODS, parameter, watch
-from rtron.sources.code.natives.ros2_names import expanded
 from rtron.sources.code.natives.ros2_nodes import (
     GLOBALLY,
     NAME,
@@ -182,11 +182,6 @@ def _own_options(machine: Machine, owner: Instance, arguments: Arguments) -> Val
     return make_options(machine, Arguments(values=values, frame=arguments.frame))
 
 
-def _resolved_name(_: Machine, owner: Instance, arguments: Arguments) -> Value:
-    """`get_node_topics_interface()->resolve_topic_name(name)`: it adds no sub-namespace."""
-    return expanded(arguments.get(0) or _UNKNOWN, name_of(owner), Known(""))
-
-
 def _field(field: str, _: Machine, owner: Instance, arguments: Arguments) -> Value:
     del arguments
     return owner.fields.get(field, _UNKNOWN)
@@ -214,6 +209,7 @@ _INTERFACES = (
 NODE_METHODS: Mapping[str, Callable[..., Value]] = {
     **ENDPOINT_METHODS,
     **PARAMETER_METHODS,
+    **GRAPH_METHODS,
     **{f"get_node_{interface}_interface": _itself for interface in _INTERFACES},
     **dict.fromkeys(("shared_from_this", "weak_from_this"), _itself),
     "get_name": lambda machine, owner, arguments: base_at(owner),
@@ -221,7 +217,6 @@ NODE_METHODS: Mapping[str, Callable[..., Value]] = {
     "get_fully_qualified_name": lambda machine, owner, arguments: name_of(owner),
     "get_sub_namespace": partial(_field, SUB),
     "get_effective_namespace": _effective,
-    **dict.fromkeys(("resolve_topic_name", "resolve_service_name"), _resolved_name),
     "create_sub_node": _sub_node,
     "get_node_options": _own_options,
 }
