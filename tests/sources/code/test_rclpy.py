@@ -209,3 +209,15 @@ def test_what_is_set_is_declared_where_the_node_says_so(automatic):
 def test_use_sim_time_is_a_parameter_of_every_node(simulated):
     found = python("pass", settings=settings(use_sim_time=True) if simulated else ()).parameters
     assert [(p.node, p.name, p.value) for p in found] == [("/ns/n", "use_sim_time", simulated)]
+
+
+def test_a_class_that_nothing_makes_is_noted_by_its_name():
+    top = """class Unused(Node):
+    def __init__(self):
+        super().__init__('unused')
+        self.create_publisher(Bool, 't', 1)"""
+    found = python("self.create_publisher(Bool, 'u', 1)", top)
+    assert written(found) == ["publish /ns/u std_msgs/msg/Bool"]
+    (note,) = found.unresolved
+    assert note.what == "Unused()"
+    assert "nothing that is seen calls it" in note.why

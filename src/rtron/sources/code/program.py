@@ -166,7 +166,7 @@ def _settled(
     volatile = changed_at_any_time(machine) if machine.recorder.site.ros == 1 else frozenset()
     settled = run(volatile) if volatile else machine
     functions = settled.world.own_functions()
-    ours = [f for f in functions if f.name.rpartition("::")[0] not in beside]
+    ours = [(name, f) for name, f in functions if f.name.rpartition("::")[0] not in beside]
     note_unreached(settled, ours)
     return settled.recorder.result()
 

@@ -30,15 +30,16 @@ JOINS = frozenset(
 )
 
 
-def note_unreached(machine: Machine, functions: Iterable[Function]) -> None:
+def note_unreached(machine: Machine, functions: Iterable[tuple[str, Function]]) -> None:
     """Note the functions that would declare something and never ran, one note a file."""
-    unreached: dict[str, list[Function]] = defaultdict(list)
-    for function in functions:
+    unreached: dict[str, list[tuple[str, Function]]] = defaultdict(list)
+    for name, function in functions:
         ran = (function.file, function.line, function.name) in machine.ran
         if function.body is not None and not ran and called_words(function) & JOINS:
-            unreached[function.file].append(function)
+            unreached[function.file].append((name, function))
     for file, found in unreached.items():
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""
-        place = Evidence(file=file, line=found[0].line)
+        name, first = found[0]
+        place = Evidence(file=file, line=first.line)
         why = "joins nodes, but nothing that is seen calls it"
-        machine.recorder.unresolved(f"{found[0].name}(){more}", why, place)
+        machine.recorder.unresolved(f"{name}(){more}", why, place)

@@ -70,10 +70,10 @@ class CppTypes:
         """Return a number that changes when the program's functions do."""
         return self.symbols.version
 
-    def own_functions(self) -> Iterator[Function]:
-        """Yield the functions of the program's sources, and of the headers in its package."""
+    def own_functions(self) -> Iterator[tuple[str, Function]]:
+        """Yield the functions of the program's sources and its package's headers, with names."""
         for functions in self.symbols.functions.values():
-            yield from (f for f in functions if self.symbols.is_own(f.file))
+            yield from ((f.name, f) for f in functions if self.symbols.is_own(f.file))
 
     def named(self, name: str) -> tuple[Function, ...]:
         """Return the functions whose last part is a name."""

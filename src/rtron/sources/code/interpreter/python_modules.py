@@ -45,10 +45,10 @@ class PythonModules:
         """Return a number that changes when the program's functions do."""
         return len(self._modules)
 
-    def own_functions(self) -> Iterator[Function]:
-        """Yield the functions of the modules that were loaded."""
-        for functions in self._named.values():
-            yield from functions
+    def own_functions(self) -> Iterator[tuple[str, Function]]:
+        """Yield the functions of the modules that were loaded, and what they are called by."""
+        for name, functions in self._named.items():
+            yield from ((name, function) for function in functions)
 
     def named(self, name: str) -> tuple[Function, ...]:
         """Return the functions with a name, in the modules that were loaded."""

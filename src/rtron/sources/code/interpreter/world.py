@@ -85,8 +85,8 @@ class World(Protocol):
         """Return a number that changes when the program's functions do."""
         ...
 
-    def own_functions(self) -> Iterator[Function]:
-        """Yield the functions of the program's own files."""
+    def own_functions(self) -> Iterator[tuple[str, Function]]:
+        """Yield the functions of the program's own files, each with what it is called by."""
         ...
 
 
