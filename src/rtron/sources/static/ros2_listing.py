@@ -1,7 +1,7 @@
 """The launch files of ROS 2 below folders, and the arguments that each declares by itself."""
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TypeAlias
 
@@ -20,6 +20,8 @@ from rtron.sources.static.worker import deep_recursion
 _DECLARES = "DeclareLaunchArgument"
 _Declared: TypeAlias = tuple[str, bool]
 """An argument, and whether it has a default."""
+_Words: TypeAlias = Mapping[str, tuple[str, ...]]
+"""Variables of loops, and the names that they go through."""
 
 
 def ros2_launches(folders: Iterable[Path]) -> Iterator[ListedLaunch]:
@@ -55,16 +57,39 @@ def _of_elements(path: Path) -> Iterator[_Declared]:
 
 
 def _of_python(path: Path) -> Iterator[_Declared]:
-    """Yield the arguments whose names are written out where they are declared."""
+    """Yield the arguments whose names are written out, where they are declared or looped over."""
     tree, _ = parse(decode(read_found(path, MAX_BYTES))[0])
-    for call in ast.walk(tree):
-        if isinstance(call, ast.Call) and _name(call.func) == _DECLARES:
-            given = {word.arg: word.value for word in call.keywords}
-            name = given.get("name") or next(iter(call.args), None)
-            default = given.get("default_value")
-            if isinstance(name, ast.Constant):
-                no_default = isinstance(default, ast.Constant) and default.value is None
-                yield str(name.value), default is not None and not no_default
+    waiting: list[tuple[ast.AST, _Words]] = [(tree, {})]
+    while waiting:
+        node, words = waiting.pop()
+        if isinstance(node, ast.Call) and _name(node.func) == _DECLARES:
+            yield from _declared(node, words)
+        looped = dict(_looped(node))
+        inner = {**words, **looped} if looped else words
+        waiting.extend((child, inner) for child in reversed(list(ast.iter_child_nodes(node))))
+
+
+def _declared(call: ast.Call, words: _Words) -> Iterator[_Declared]:
+    given = {word.arg: word.value for word in call.keywords}
+    default = given.get("default_value")
+    no_default = isinstance(default, ast.Constant) and default.value is None
+    for name in _spelled(given.get("name") or next(iter(call.args), None), words):
+        yield name, default is not None and not no_default
+
+
+def _looped(node: ast.AST) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield the variables of a loop or a comprehension, with the names that are listed for them."""
+    loops = [node] if isinstance(node, ast.For) else getattr(node, "generators", ())
+    for loop in loops:
+        if isinstance(loop.target, ast.Name):
+            items = loop.iter.elts if isinstance(loop.iter, (ast.List, ast.Tuple)) else ()
+            yield loop.target.id, tuple(name for item in items for name in _spelled(item, {}))
+
+
+def _spelled(name: ast.expr | None, words: _Words) -> tuple[str, ...]:
+    if isinstance(name, ast.Constant):
+        return (str(name.value),)
+    return words.get(name.id, ()) if isinstance(name, ast.Name) else ()
 
 
 def _name(called: ast.expr) -> str:
