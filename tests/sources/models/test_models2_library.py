@@ -244,8 +244,13 @@ def test_a_parameter_of_older_releases_counts_where_the_distribution_may_be_one(
         settings={"/**": {"use_stamped_vel": False}},
         environ=[("ROS_DISTRO", distribution)] if distribution else [],
     )
-    model = MODELS.controller("diff_drive_controller/DiffDriveController")
-    assert names(interface(model, at, models=MODELS), "subscribe") == {topic}
+    found = interface(
+        MODELS.controller("diff_drive_controller/DiffDriveController"), at, models=MODELS
+    )
+    assert names(found, "subscribe") == {topic}
+    assert [note.what for note in found.unresolved] == (
+        [] if distribution else ["the velocities that /n hears"]
+    )
 
 
 def test_a_node_that_its_launch_does_not_name_has_its_own_name():
