@@ -1,7 +1,7 @@
 """A launch file of ROS 2 as elements, whether it was written in XML, YAML or Python."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -33,6 +33,11 @@ class Element:
     def named(self, tag: str) -> Iterator["Element"]:
         """Yield the children of one kind."""
         return (child for child in self.children if child.tag == tag)
+
+    def placed(self, line: int, file: str) -> "Element":
+        """Return it, and what is in it, at a line of a file where they have no place yet."""
+        children = tuple(child.placed(line, file) for child in self.children)
+        return replace(self, children=children, line=self.line or line, file=self.file or file)
 
     def plain(self, key: str) -> str:
         """Return an attribute as it is written; empty where it is not plain text."""

@@ -26,7 +26,7 @@ from rtron.sources.static.ros2_started import CONTAINERS
 from rtron.vocabulary import NodeParameter
 
 _BRIDGE = "ros_gz_bridge"
-_BRIDGES = ("parameter_bridge", "ros_gz_bridge::RosGzBridge")
+_BRIDGES = ("parameter_bridge", "bridge_node", "ros_gz_bridge::RosGzBridge")
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _TOPICS = (
     (_PUBLISH, "rosout", "rcl_interfaces/msg/Log"),

@@ -1,4 +1,4 @@
-"""The classes of launch, launch_ros and nav2_common: their modules, and their parameters' names."""
+"""The classes of launch, launch_ros, nav2_common, ros_gz: modules, and their parameters' names."""
 
 from collections.abc import Mapping
 
@@ -127,6 +127,8 @@ _LAUNCH: Mapping[str, tuple[str, ...]] = {
     "LaunchDescription": ("initial_entities",),
 }
 
+_BRIDGE, _SIMULATOR = ("RosGzBridge",), ("GzServer", "GzSpawnModel")
+
 CLASSES: Mapping[str, tuple[str, ...]] = {
     **_ACTIONS,
     **_ROS_ACTIONS,
@@ -139,8 +141,7 @@ CLASSES: Mapping[str, tuple[str, ...]] = {
     **_DESCRIPTIONS,
     **_NAV2,
     **_LAUNCH,
-    "Executable": (),
-    "ReadyToTest": (),
+    **dict.fromkeys(("Executable", "ReadyToTest", *_BRIDGE, *_SIMULATOR), ()),
 }
 """The classes, and the names of those parameters that may be given by their place."""
 
@@ -163,4 +164,6 @@ MODULES: Mapping[str, tuple[str, ...]] = {
     "launch_ros.parameter_descriptions": ("Parameter", "ParameterFile", "ParameterValue"),
     "launch_testing.actions": ("ReadyToTest",),
     "nav2_common.launch": tuple(_NAV2),
+    "ros_gz_bridge.actions": _BRIDGE,
+    "ros_gz_sim.actions": _SIMULATOR,
 }

@@ -86,7 +86,7 @@ class Actions:
         """Return an element, and those in it without a place, at the place of a call."""
         line, file = (value.fields.get(key, NONE) for key in (LINE, FILE))
         number = line.value if isinstance(line, Known) else 0
-        return _placed(element, number, str(file.value) if isinstance(file, Known) else "")
+        return element.placed(number, str(file.value) if isinstance(file, Known) else "")
 
     def condition(self, value: Value) -> Attributes:
         """Return what an action's condition says, in the words of XML."""
@@ -138,12 +138,6 @@ class Actions:
 def _is_of_library(value: Value) -> bool:
     """Tell whether a value is what a function of Python's library returned: no action."""
     return isinstance(value, Hole) and value.why.partition(".")[0] in sys.stdlib_module_names
-
-
-def _placed(element: Element, line: int, file: str) -> Element:
-    children = tuple(_placed(child, line, file) for child in element.children)
-    own_line, own_file = element.line or line, element.file or file
-    return replace(element, children=children, line=own_line, file=own_file)
 
 
 def _rows(value: Value | None) -> Iterator[tuple[Value, ...]]:

@@ -21,6 +21,11 @@ def _plain(tag: str, **keys: str) -> Build:
     return lambda actions, fields: Element(tag, actions.texts_of(fields, **keys))
 
 
+def _same(tag: str, *keys: str) -> Build:
+    """Return what makes an element whose attributes are called like the parameters."""
+    return _plain(tag, **{key: key for key in keys})
+
+
 def _named(tag: str) -> Build:
     return lambda actions, fields: Element(tag, {})
 
@@ -106,6 +111,7 @@ _SILENT = (
     "UnregisterEventHandler",
 )
 _APPEND = {"name": "name", "value": "value", "prepend": "prepend", "separator": "separator"}
+_COMPOSED = ("container_name", "create_own_container", "use_composition")
 BUILDERS: Mapping[str, Build] = {
     **dict.fromkeys(_SILENT, _named("log")),
     "AppendEnvironmentVariable": _plain("append_env", **_APPEND),
@@ -116,6 +122,8 @@ BUILDERS: Mapping[str, Build] = {
     "ForEach": _loop,
     "ForLoop": _loop,
     "GroupAction": _group,
+    "GzServer": _same("gz_server", "world_sdf_file", "world_sdf_string", *_COMPOSED),
+    "GzSpawnModel": _same("gz_spawn_model", "file", "model_string", "topic", "entity_name"),
     "IncludeLaunchDescription": _include,
     "LifecycleNode": partial(node, tag="lifecycle_node"),
     "LoadComposableNodes": load,
@@ -128,6 +136,7 @@ BUILDERS: Mapping[str, Build] = {
     "ResetEnvironment": _named("reset_env"),
     "ResetLaunchConfigurations": _reset,
     "ROSTimer": _timer,
+    "RosGzBridge": _same("ros_gz_bridge", "bridge_name", "namespace", "config_file", *_COMPOSED),
     "RosTimer": _timer,
     "SetEnvironmentVariable": _plain("set_env", name="name", value="value"),
     "SetLaunchConfiguration": _plain("let", name="name", value="value"),
