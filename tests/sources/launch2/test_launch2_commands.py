@@ -98,6 +98,31 @@ robot = {call}
     assert app.unresolved == ()
 
 
+def test_what_is_replaced_in_a_long_description(python, package):
+    meshes = "<mesh filename='package://pkg/a.stl'/>" * 300
+    (package / "robot.urdf").write_text(f"<robot name='r'>{meshes}</robot>")
+    before = """
+with open(os.path.join(get_package_share_directory('pkg'), 'robot.urdf')) as urdf:
+    robot = urdf.read().replace('package://', f'file://{"/opt"}/')
+"""
+    app = python(PUBLISHER.format("parameters=[{'robot_description': robot}]"), before)
+    assert described(app).count("'file:///opt/pkg/a.stl'") == 300
+    assert app.unresolved == ()
+
+
+def test_what_is_replaced_again_and_again_is_bounded(python, package):
+    (package / "robot.urdf").write_text("<robot name='r'/>" * 2**15)
+    before = """
+robot = open(os.path.join(get_package_share_directory('pkg'), 'robot.urdf')).read()
+kept = []
+for i in range(100):
+    for j in range(100):
+        kept.append(robot.replace('r', 's'))
+"""
+    app = python("Node(package='p', executable='e')", before)
+    assert "too large to be run whole" in whys(app)
+
+
 @pytest.mark.parametrize(
     ("call", "why"),
     [

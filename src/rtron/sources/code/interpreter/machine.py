@@ -104,6 +104,12 @@ class Machine:
         """How many steps the program has taken."""
         return self._steps
 
+    def work(self, steps: int) -> None:
+        """Count the steps of what takes several; raise StepsExceededError for too many."""
+        self._steps += steps
+        if self._steps > self._limit:
+            raise StepsExceededError
+
     def evaluate(self, node: Expr, frame: Frame) -> Value:
         """Return the value of an expression."""
         self._steps += 1

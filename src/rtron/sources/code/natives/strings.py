@@ -22,6 +22,10 @@ from rtron.sources.code.interpreter.values import (
 )
 
 MAX_LENGTH = 4096
+MAX_LONG = 2**20
+"""The most that a method leaves of a text longer than that, as the description of a robot is."""
+_PER_STEP = 64
+"""As many characters of a long text take a step."""
 _PLAIN = [
     "strip",
     "lstrip",
@@ -50,7 +54,7 @@ _PER_PART = frozenset({"lower", "upper", "replace", "swapcase"})
 _ENDS = frozenset({"strip", "lstrip", "rstrip"})
 
 
-def _plain(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
+def _plain(name: str, machine: Machine, owner: Value, arguments: Arguments) -> Value:
     values = arguments.values
     if not all(isinstance(value, Known) for value in values):
         return owner if name in {"strip", "lstrip", "rstrip"} else Hole(name, is_tainted(owner))
@@ -59,10 +63,27 @@ def _plain(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
     if not isinstance(owner, Known):
         return owner if name in {*_PER_PART, *_ENDS} else Hole(name, is_tainted(owner))
     try:
-        found = getattr(owner.value, name)(*(value.value for value in values))  # type: ignore[union-attr]
+        found = _called(machine, name, owner.value, [value.value for value in values])  # type: ignore[union-attr]
     except (TypeError, ValueError, AttributeError):
         return Hole(name)
-    return Known(found, owner.tainted) if len(str(found)) <= MAX_LENGTH else Hole(name)
+    return Known(found, owner.tainted)
+
+
+def _called(machine: Machine, name: str, text: Any, values: list[Any]) -> Any:  # noqa: ANN401 - any Python values
+    """Return what a method gives; raise ValueError where that may be too long."""
+    most = _most(name, text, values)
+    if most > (MAX_LENGTH if len(text) <= MAX_LENGTH else MAX_LONG):
+        raise ValueError(f"more than {MAX_LENGTH} characters")
+    machine.work(most // _PER_STEP)
+    return getattr(text, name)(*values)
+
+
+def _most(name: str, text: Any, values: list[Any]) -> int:  # noqa: ANN401 - any Python values
+    """Return how many characters a method leaves at most; case changes only in their places."""
+    if name == "replace":
+        old, new = values[:2]
+        return len(text) + text.count(old) * max(0, len(new) - len(old))
+    return max(len(text), *values) if name == "zfill" else len(text)
 
 
 def _plain_in_part(name: str, owner: Text, values: list[Any]) -> Value:
