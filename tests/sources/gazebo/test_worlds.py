@@ -99,6 +99,20 @@ def test_an_include_that_is_not_found_leaves_the_rest(uri, world, models):
     assert [plugin.filename for plugin in found.plugins] == ["a"]
 
 
+def test_what_gazebo_itself_has_is_not_missed(world):
+    assert world(include("model://sun") + include("model://ground_plane")).unresolved == ()
+
+
+def test_comments_may_stand_before_the_declaration(tmp_path):
+    path = tmp_path / "app.world"
+    path.write_text(f"<!-- a --> <!-- <?xml -->\n<?xml version='1.0'?>\n{MODEL}")
+    (eye, *_) = read_world(path, {}, {}).plugins
+    assert (eye.name, eye.evidence.line) == ("c", 4)
+    path.write_text(f"text\n<?xml version='1.0'?>\n{MODEL}")
+    with pytest.raises(InputError, match="not XML"):
+        read_world(path, {}, {})
+
+
 def test_models_that_include_each_other_end(world, models):
     twice = "<include><uri>model://bot</uri></include><include><uri>model://two</uri></include>"
     for name in ("bot", "two"):

@@ -69,10 +69,14 @@ class WorkspaceFiles:
         """Return where a package lies."""
         return self.workspace.packages.get(package)
 
+    def lies_in(self, path: Path) -> bool:
+        """Tell whether a path exists and lies in a package, links followed."""
+        folders = tuple(folder.resolve() for folder in self.workspace.packages.values())
+        return is_inside(path, folders)
+
     def text(self, path: Path) -> str | None:
         """Return a data file that lies in a package, links followed."""
-        folders = tuple(folder.resolve() for folder in self.workspace.packages.values())
-        if not is_inside(path, folders) or not path.is_file():
+        if not self.lies_in(path) or not path.is_file():
             return None
         try:
             return read_found(path, MAX_DATA).decode("utf-8", "replace")

@@ -8,14 +8,17 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.folders import is_there
 from rtron.sources.gazebo.plugin import GazeboPlugin, PluginScope, Surrounding, read_plugin
+from rtron.sources.gazebo.sdf import read_sdf
 from rtron.sources.launch.packages import PackageIndex
-from rtron.sources.xacro import XmlElement, read_element
+from rtron.sources.xacro import XmlElement
 from rtron.vocabulary import Evidence, Unresolved
 
 MAX_INCLUDES = 1000
 MAX_DEPTH = 20
 
 _SCHEMES = ("model://", "file://")
+_PLAIN = frozenset({"model://sun", "model://ground_plane"})
+"""Gazebo's own, which have no plugin: one that is not found is not missed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +39,7 @@ def read_world(
     """
     reading = _Reading(folders=model_folders(packages, environ))
     try:
-        plugins = tuple(reading.below(read_element(path), Surrounding(), (str(path),)))
+        plugins = tuple(reading.below(read_sdf(path), Surrounding(), (str(path),)))
     except RecursionError:
         raise InputError("is nested too deep", path=str(path)) from None
     return World(plugins=plugins, unresolved=tuple(reading.unresolved))
@@ -71,13 +74,14 @@ class _Reading:
     def _include(
         self, include: XmlElement, around: Surrounding, files: tuple[str, ...]
     ) -> Iterator[GazeboPlugin]:
-        uri = include.find("uri")
+        found = include.find("uri")
+        uri = found.text if found else ""
         try:
-            path = self._found(uri.text if uri else "", files)
+            path = self._found(uri, files)
             root = self._root(path)
         except InputError as error:
-            what = f"include {uri.text if uri else ''}".strip()
-            self._note(what, str(error), include.evidence)
+            if uri not in _PLAIN:
+                self._note(f"include {uri}".strip(), str(error), include.evidence)
             return
         name = include.find("name")
         named = _renamed(root, name.text if name else "")
@@ -111,7 +115,7 @@ class _Reading:
 
     def _root(self, path: Path) -> XmlElement:
         if str(path) not in self._roots:
-            self._roots[str(path)] = read_element(path)
+            self._roots[str(path)] = read_sdf(path)
         return self._roots[str(path)]
 
     def _note(self, what: str, why: str, evidence: Evidence) -> None:
@@ -121,7 +125,7 @@ class _Reading:
 def _model_file(folder: Path) -> Path:
     """Return the last SDF file that a model's `model.config` names, `model.sdf` without one."""
     try:
-        config = read_element(folder / "model.config")
+        config = read_sdf(folder / "model.config")
     except InputError:
         return folder / "model.sdf"
     named = [sdf.text for sdf in config.elements("sdf") if sdf.text == Path(sdf.text).name]

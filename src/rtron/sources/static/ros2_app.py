@@ -21,6 +21,7 @@ from rtron.sources.static.options import ScanOptions
 from rtron.sources.static.pool import Pool
 from rtron.sources.static.ros2_assembly import Ros2Assembly
 from rtron.sources.static.ros2_controllers import ControllerNodes
+from rtron.sources.static.ros2_gazebo import GazeboServers
 from rtron.sources.static.ros2_known import with_known
 from rtron.sources.static.ros2_repeated import repeated
 from rtron.sources.static.ros2_scan import ros2_workspace
@@ -57,18 +58,20 @@ def scan_ros2_app(
         progress=chosen.progress,
         models=models,
     )
+    gazebo = GazeboServers(GazeboNodes(models, files), environ)
     assembly = Ros2Assembly(workspace=workspace)
     made = _made(read)
     with closing(interpreting):
         parts = list(interpreting.parts(nodes))
-        parts += GazeboNodes(models, files).parts(parts)
+        parts += gazebo.nodes.parts(parts)
+        parts += gazebo.parts(started.servers)
         controllers = list(ControllerNodes(models, files).parts(parts))
         own = interpreting.finished([part for part in controllers if part.task])
         for part in (*parts, *(part for part in controllers if not part.task), *own):
             assembly.add(with_known(part, files, made))
     assembly.note(*repeated(nodes))
     assembly.note(*(note for launch in read for note in launch.unresolved))
-    assembly.note(*started.notes.unresolved)
+    assembly.note(*started.notes.unresolved, *gazebo.notes.unresolved)
     return assembly.graph(Path(read[0].file).name.split(".")[0] if read else "")
 
 

@@ -26,7 +26,9 @@ from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import Rule, rules_in
 
 _SYSTEMS = ("gz-sim", "ignition-gazebo", "gz_", "ign_")
-_SIMULATED = ParameterSetting(node="/**", name="use_sim_time", value=True)
+PACKAGE = "gazebo_ros"
+SIMULATED = ParameterSetting(node="/**", name="use_sim_time", value=True)
+"""gazebo_ros sets it for each of its nodes (include/gazebo_ros/node.hpp)."""
 _MANAGER = "controller_manager"
 
 
@@ -54,6 +56,10 @@ class GazeboNodes:
         except InputError as error:
             yield _missing(spawner, f"what {spawner.node.name} spawns", str(error))
             return
+        yield from self.loaded(plugins, spawner)
+
+    def loaded(self, plugins: Iterable[GazeboPlugin], spawner: Part) -> Iterator[Part]:
+        """Yield a part for each of some plugins; `spawner` may be the server that loads a world."""
         for plugin in plugins:
             model = self.models.gazebo_plugin(plugin.filename)
             if model is not None:
@@ -74,10 +80,10 @@ class GazeboNodes:
             name=canonical_name(f"/{below or _namespace(plugin)}/{named}"),
             ros=2,
             environ=spawner.node.site.environ,
-            settings=(_SIMULATED, *settings),
+            settings=(SIMULATED, *settings),
             remaps=rules,
         )
-        kind = (_MANAGER, "ros2_control_node") if is_manager else ("gazebo_ros", plugin.filename)
+        kind = (_MANAGER, "ros2_control_node") if is_manager else (PACKAGE, plugin.filename)
         node = replace(
             spawner.node,
             site=site,

@@ -13,31 +13,45 @@ from rtron.sources.launch2.parameters import ParameterSource
 from rtron.sources.launch2.result import Start, StartKind
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.notes import Notes
+from rtron.sources.static.ros2_gazebo import gazebo_server
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import UNKNOWN
 
 CONTAINERS = "rclcpp_components"
+GAZEBO_CLIENT = "gzclient"
+"""It draws the world, and joins nothing."""
 
 
 @dataclass(slots=True, kw_only=True)
 class StartedNodes:
-    """Makes the nodes of what launch files start; `environ` is that of the launch."""
+    """Makes the nodes of what launch files start; `environ` is that of the launch.
+
+    `servers` are those of Gazebo among the processes.
+    """
 
     environ: Mapping[str, str]
+    servers: list[AppNode] = field(default_factory=list)
     notes: Notes = field(default_factory=Notes)
 
     def nodes(self, starts: Sequence[Start]) -> Iterator[AppNode]:
-        """Yield nodes and components; a process that is no node is noted."""
+        """Yield nodes and components; a process that is not known is noted."""
         no_node = {StartKind.COMPONENT, StartKind.PROCESS}
         hosts = {_process_name(start): start for start in starts if start.kind not in no_node}
         for start in starts:
             if start.kind is StartKind.PROCESS:
-                what = f"process {' '.join(start.arguments[:2])}"
-                self.notes.add(what, "what it runs is not looked into", start.evidence)
+                self._process(start)
             elif start.kind is StartKind.COMPONENT:
                 yield self._component(start, hosts.get(start.container))
             else:
                 yield self._node(start)
+
+    def _process(self, start: Start) -> None:
+        server = gazebo_server(start, self.environ)
+        if server is not None:
+            self.servers.append(server)
+        elif not start.arguments or Path(start.arguments[0]).name != GAZEBO_CLIENT:
+            what = f"process {' '.join(start.arguments[:2])}"
+            self.notes.add(what, "what it runs is not looked into", start.evidence)
 
     def _node(self, start: Start) -> AppNode:
         site = NodeSite(

@@ -1,0 +1,20 @@
+"""A file of SDF as Gazebo reads it: comments may stand before its XML declaration (tinyxml)."""
+
+import re
+from pathlib import Path
+
+from rtron.sources.bounded import read_found
+from rtron.sources.launch.document import MAX_BYTES
+from rtron.sources.xacro import XmlElement, parse_element, read_element
+
+_BEFORE = re.compile(r"\s+|<!--.*?-->", re.DOTALL)
+
+
+def read_sdf(path: Path) -> XmlElement:
+    """Return a file's root element; raise InputError as `read_element` does."""
+    text, at = read_found(path, MAX_BYTES).decode(errors="replace"), 0
+    while found := _BEFORE.match(text, at):
+        at = found.end()
+    if not at or not text.startswith("<?xml", at):
+        return read_element(path)
+    return parse_element(text[:at] + text[at:].partition("?>")[2], str(path))

@@ -1,0 +1,131 @@
+"""Gazebo's server, which launches of ROS 2 start as a process: its system plugins and its world.
+
+gzserver(1); gazebo_ros (src/node.cpp): the system plugins share a node, `gazebo`, and each plugin
+of a world is a node of its own.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.declaration import NodeSite
+from rtron.sources.gazebo import World, read_world
+from rtron.sources.launch2.installed import Installed
+from rtron.sources.launch2.result import Start
+from rtron.sources.models import PluginElement, plugin_interface
+from rtron.sources.models.arguments import own_arguments, positional
+from rtron.sources.static.node import AppNode
+from rtron.sources.static.notes import Notes
+from rtron.sources.static.part import Part
+from rtron.sources.static.ros2_simulation import PACKAGE, SIMULATED, GazeboNodes
+from rtron.sources.workspace.files import is_regular
+
+_SERVERS = frozenset({"gzserver", "gazebo"})
+_SYSTEM = ("-s", "--server-plugin")
+_VALUED = (
+    "-s --server-plugin -g --gui-plugin -e --physics -p --play -o --profile --iters --seed "
+    "--initial_sim_time --record_path --record_encoding --record_period --record_filter"
+)
+_MODELS, _RESOURCES = "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH"
+
+
+def gazebo_server(start: Start, environ: Mapping[str, str]) -> AppNode | None:
+    """Return the server that a process is; None for another program."""
+    program, *words = start.arguments or ("",)
+    if Path(program).name not in _SERVERS:
+        return None
+    site = NodeSite(
+        name="/gazebo",
+        ros=2,
+        args=tuple(words),
+        environ=tuple({**environ, **dict(start.environ)}.items()),
+        named=False,
+        settings=(SIMULATED,),
+    )
+    return AppNode(
+        site=site,
+        package=PACKAGE,
+        type=Path(program).name,
+        evidence=start.evidence,
+        doubtful=start.doubtful,
+        executed=start.executed,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class GazeboServers:
+    """Finds what the servers of an app load; `environ` is the user's, `nodes` makes plugins nodes.
+
+    Where a launch tells Gazebo to look, only the folders of the workspace count.
+    """
+
+    nodes: GazeboNodes
+    environ: Mapping[str, str]
+    notes: Notes = field(default_factory=Notes)
+
+    def parts(self, servers: Iterable[AppNode]) -> Iterator[Part]:
+        """Yield a part for each plugin."""
+        for server in servers:
+            yield from self._system(server)
+            plugins = self._world(server).plugins
+            known = [p for p in plugins if self.nodes.models.gazebo_plugin(p.filename)]
+            for plugin in plugins:
+                if plugin not in known:
+                    self._unmodelled(plugin.filename, server)
+            yield from self.nodes.loaded(known, Part(node=server, owner=server.name))
+
+    def _system(self, server: AppNode) -> Iterator[Part]:
+        for filename in _system_plugins(own_arguments(server.site.args)):
+            model = self.nodes.models.gazebo_plugin(filename)
+            if model is None:
+                self._unmodelled(filename, server)
+                continue
+            element = PluginElement(filename=filename)
+            found = plugin_interface(model, server.site, element, self.nodes.models)
+            yield Part(node=server, owner=server.name, model=model, interface=found)
+
+    def _unmodelled(self, filename: str, server: AppNode) -> None:
+        self.notes.add(f"Gazebo plugin {filename}", "no model of it", server.evidence)
+
+    def _world(self, server: AppNode) -> World:
+        named = [word for word in positional(server.site.args, _VALUED) if word.strip()]
+        if not named:
+            return World()
+        environ = dict(server.site.environ)
+        try:
+            path = self._file(named[0], environ.get(_RESOURCES, ""))
+            models = self._inside(environ.get(_MODELS, ""), self.environ.get(_MODELS, ""))
+            packages = self.nodes.files.workspace.packages
+            world = read_world(path, packages, {_MODELS: ":".join(models)})
+        except InputError as error:
+            self.notes.add(f"world {named[0]}", str(error), server.evidence)
+            return World()
+        self.notes.unresolved.extend(world.unresolved)
+        return world
+
+    def _file(self, spelled: str, resources: str) -> Path:
+        files, installed = self.nodes.files, Installed(self.nodes.files.workspace)
+        folders = self._inside(resources, self.environ.get(_RESOURCES, ""))
+        for folder in ("/", *folders):
+            path = Path(installed(str(Path(folder, spelled))))
+            if files.lies_in(path) and is_regular(path):
+                return path
+        raise InputError("is not in the folders that are read")
+
+    def _inside(self, given: str, users: str) -> list[str]:
+        """Return the folders of a search path that are the user's, or lie in the workspace."""
+        own = users.split(":")
+        folders = filter(None, (*given.split(":"), *own))
+        return [one for one in folders if one in own or self.nodes.files.lies_in(Path(one))]
+
+
+def _system_plugins(words: Sequence[str]) -> Iterator[str]:
+    """Yield the values of `-s`, which may stand in the same word."""
+    for word, following in pairwise((*words, "")):
+        name, equals, value = word.partition("=")
+        if name in _SYSTEM:
+            yield value if equals else following
+        elif word.startswith("-s"):
+            yield word.removeprefix("-s").strip()
