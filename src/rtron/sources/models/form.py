@@ -104,7 +104,8 @@ class Model(BaseModel):
 
     `over_source` says that the model counts even where the node's source is there, since plugins
     or files decide at run time what it declares. `role` is what the node does to others. `name` is
-    what a node of ROS 2 calls itself where its launch gives it no name.
+    what a node of ROS 2 calls itself where its launch gives it no name; one without
+    `parameter_services` cannot be asked for its parameters.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -121,6 +122,7 @@ class Model(BaseModel):
     name: str = ""
     implicit: bool = False
     over_source: bool = False
+    parameter_services: bool = True
     role: NodeRole | None = None
     needs: Names = ()
     let: dict[str, Text] = {}

@@ -35,7 +35,8 @@ _TOPICS = (
 )
 _CLOCK = (_SUBSCRIBE, "clock", "rosgraph_msgs/msg/Clock")
 _DESCRIPTION = "type_description_interfaces/srv/GetTypeDescription"
-_EVERY = {**PARAMETER_SERVICES, "get_type_description": _DESCRIPTION}
+_DESCRIBED = {"get_type_description": _DESCRIPTION}
+_EVERY = {**PARAMETER_SERVICES, **_DESCRIBED}
 _EVENTS = (_PUBLISH, "/parameter_events")
 """A container does not have this, nor parameter services (rclcpp_components: ComponentManager)."""
 
@@ -44,7 +45,7 @@ def with_known(part: Part, files: WorkspaceFiles, made: Mapping[str, YamlTree]) 
     """Return the part of a node that is known, with what it declares; another one as it is."""
     node = part.node
     if node.package == CONTAINERS and not node.container:
-        services = _services(part, node.name, {"get_type_description": _DESCRIPTION, **LOADING})
+        services = _services(part, node.name, {**_DESCRIBED, **LOADING})
         topics = (d for d in _topics(part, node.name) if (d.kind, d.name) != _EVENTS)
         interface = NodeInterface(declarations=(*topics, *services))
         return replace(part, interface=interface)
@@ -64,7 +65,8 @@ def _modelled(part: Part, model: Model) -> NodeInterface:
     used = {declared.node for declared in found.declarations if not declared.implicit}
     names = [m.name for i, m in enumerate(found.nodes) if m.name in used or not i]
     topics = [one for name in names for one in _topics(part, name, python=model.is_python)]
-    services = [one for name in names for one in _services(part, name, _EVERY)]
+    of_all = _EVERY if model.parameter_services else _DESCRIBED
+    services = [one for name in names for one in _services(part, name, of_all)]
     return replace(
         found,
         declarations=(*found.declarations, *topics, *services),

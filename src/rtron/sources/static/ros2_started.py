@@ -14,12 +14,11 @@ from rtron.sources.launch2.result import Start, StartKind
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.notes import Notes
 from rtron.sources.static.ros2_gazebo import gazebo_server
+from rtron.sources.static.ros2_processes import SILENT, commands, joining
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import UNKNOWN
 
 CONTAINERS = "rclcpp_components"
-GAZEBO_CLIENT = "gzclient"
-"""It draws the world, and joins nothing."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -39,19 +38,23 @@ class StartedNodes:
         hosts = {_process_name(start): start for start in starts if start.kind not in no_node}
         for start in starts:
             if start.kind is StartKind.PROCESS:
-                self._process(start)
+                yield from self._process(start)
             elif start.kind is StartKind.COMPONENT:
                 yield self._component(start, hosts.get(start.container))
             else:
                 yield self._node(start)
 
-    def _process(self, start: Start) -> None:
-        server = gazebo_server(start, self.environ)
-        if server is not None:
-            self.servers.append(server)
-        elif not start.arguments or Path(start.arguments[0]).name != GAZEBO_CLIENT:
-            what = f"process {' '.join(start.arguments[:2])}"
-            self.notes.add(what, "what it runs is not looked into", start.evidence)
+    def _process(self, process: Start) -> Iterator[AppNode]:
+        for command in commands(process):
+            server, node = gazebo_server(command, self.environ), joining(command)
+            words = command.arguments
+            if server is not None:
+                self.servers.append(server)
+            elif node is not None:
+                yield self._node(node)
+            elif Path(words[0]).name not in SILENT:
+                what = f"process {' '.join(words[:2])}"
+                self.notes.add(what, "what it runs is not looked into", process.evidence)
 
     def _node(self, start: Start) -> AppNode:
         site = NodeSite(

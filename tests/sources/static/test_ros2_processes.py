@@ -1,0 +1,91 @@
+"""Command lines that a launch of ROS 2 starts: verbs of `ros2`, and what a shell runs."""
+
+import pytest
+
+from rtron.sources.static.options import ScanOptions
+from rtron.sources.static.ros2_app import scan_ros2_app
+from rtron.vocabulary import ActionRole, Durability, QoS, Reliability
+
+PYTHON = """from launch import LaunchDescription
+from launch.actions import ExecuteProcess
+from launch.substitutions import FindExecutable, LaunchConfiguration
+def generate_launch_description():
+    return LaunchDescription([ExecuteProcess(cmd={cmd}, shell=True)])
+"""
+
+
+@pytest.fixture
+def started(tmp_path):
+    """Return the graph of an app whose launch starts a process by the words of a `cmd`."""
+    (tmp_path / "package.xml").write_text("<package><name>app</name></package>")
+    launch = tmp_path / "app.launch.py"
+
+    def scan(*words):
+        launch.write_text(PYTHON.format(cmd=list(words)))
+        return scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
+
+    return scan
+
+
+def joined(endpoints):
+    return [(e.node, e.topic, e.type) for e in endpoints if not e.implicit]
+
+
+def test_a_message_that_is_published(started):
+    words = ["-r", "10", "--qos-depth", "3", "--qos-durability", "transient_local"]
+    given = ["/cmd_vel", "geometry_msgs/msg/Twist", "{linear: {x: 1.0}}"]
+    graph = started("ros2", "topic", "pub", *words, *given)
+    (sent,) = graph.publishers("/cmd_vel")
+    assert joined([sent]) == [("/_ros2cli_{pid}", "/cmd_vel", "geometry_msgs/msg/Twist")]
+    assert sent.qos == QoS(depth=3, durability=Durability.TRANSIENT_LOCAL)
+    (node,) = graph.nodes
+    assert (node.package, node.executable) == ("ros2topic", "pub")
+    assert [s.name for s in graph.services] == ["/_ros2cli_{pid}/get_type_description"]
+    assert graph.unresolved == ()
+
+
+def test_a_publisher_may_be_named_and_remapped(started):
+    ros = ["--ros-args", "-r", "__ns:=/bot", "-r", "a:=b"]
+    options = ["-n", "stop", "-1", "--qos-reliability", "best_effort"]
+    graph = started("ros2", "topic", "pub", "a", "std_msgs/Bool", *options, *ros)
+    (sent,) = graph.publishers("/bot/b")
+    assert joined([sent]) == [("/bot/stop", "/bot/b", "std_msgs/msg/Bool")]
+    assert sent.qos.reliability is Reliability.BEST_EFFORT
+
+
+@pytest.mark.parametrize("line", ["echo /a std_msgs/String --once", "hz -w 5 /a", "echo /a"])
+def test_what_listens_subscribes(started, line):
+    graph = started("ros2", "topic", *line.split())
+    (heard,) = graph.subscribers("/a")
+    assert heard.type == ("std_msgs/msg/String" if "String" in line else "")
+
+
+@pytest.mark.parametrize("type", ["std_srvs/srv/Trigger", "std_srvs/Trigger"])
+def test_a_service_that_is_called(started, type):
+    graph = started("/opt/ros/bin/ros2 service call /go " + type + ' "{}"')
+    (client,) = graph.clients
+    assert client.node == "/_ros2cli_requester_std_srvs_Trigger"
+    assert (client.name, client.type) == ("/go", "std_srvs/srv/Trigger")
+
+
+def test_a_goal_that_is_sent(started):
+    graph = started("ros2 action send_goal -f /spin nav2_msgs/action/Spin '{target_yaw: 1.0}'")
+    (action,) = graph.actions
+    assert action.node == "/_ros2cli_send_goal_nav2_msgs_action_Spin"
+    assert (action.name, action.type) == ("/spin", "nav2_msgs/action/Spin")
+    assert action.role is ActionRole.CLIENT
+
+
+def test_each_command_of_a_shell_counts(started):
+    script = "sleep 5 && ros2 service call /go std_srvs/srv/Empty ; ros2 run demo talker -r x:=y"
+    graph = started("bash", "-lc", script + " | tee log")
+    assert {node.name for node in graph.nodes} == {"/talker", "/_ros2cli_requester_std_srvs_Empty"}
+    whats = [note.what for note in graph.unresolved]
+    assert whats == ["node /talker (demo/talker)", "process tee log"]
+
+
+@pytest.mark.parametrize("line", ["ros2 topic list", "ros2 doctor", "ros2", "bash -c", "firefox x"])
+def test_another_process_is_noted(started, line):
+    (note,) = started(*line.split()).unresolved
+    assert note.what == f"process {' '.join(line.split()[:2])}"
+    assert not started(*line.split()).nodes
