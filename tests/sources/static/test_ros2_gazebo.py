@@ -2,6 +2,7 @@
 
 import pytest
 
+from rtron.errors import InputError
 from rtron.sources.static.options import ScanOptions
 from rtron.sources.static.ros2_app import scan_ros2_app
 from rtron.vocabulary import Direction
@@ -85,3 +86,49 @@ def test_a_world_outside_of_the_workspace_is_not_read(simulated, tmp_path):
     graph = simulated(f"gzserver {tmp_path}/outside.world {INIT}")
     assert [node.name for node in graph.nodes] == ["/gazebo"]
     assert [note.why for note in graph.unresolved] == ["is not in the folders that are read"]
+
+
+def test_a_world_is_looked_for_where_a_package_hooks_it_in(simulated, tmp_path):
+    hooks = tmp_path / "app" / "env-hooks"
+    hooks.mkdir()
+    lines = "set;A;b\nprepend-non-duplicate;GAZEBO_RESOURCE_PATH;share/@PROJECT_NAME@/{}\n"
+    (hooks / "app.dsv.in").write_text(lines.format("worlds"))
+    assert "/drive" in {node.name for node in simulated("gzserver app.world").nodes}
+    (hooks / "app.dsv.in").write_text(lines.format("../../.."))
+    assert not simulated("gzserver app.world").nodes
+    (hooks / "app.dsv.in").write_text(lines.format("worlds").replace("RESOURCE", "PLUGIN"))
+    assert not simulated("gzserver app.world").nodes
+
+
+INCLUDE = """<launch><include file="$(find-pkg-share gazebo_ros)/launch/{name}.launch.py">
+  <arg name="world" value="{world}"/><arg name="{plugin}" value="false"/></include></launch>"""
+
+
+@pytest.mark.parametrize("name", ["gazebo", "gzserver"])
+def test_gazebo_ros_is_included_though_it_is_not_here(simulated, tmp_path, name):
+    launch = tmp_path / "app" / "include.launch.xml"
+    world = "$(find-pkg-share app)/worlds/app.world"
+    launch.write_text(INCLUDE.format(name=name, world=world, plugin="force_system"))
+    graph = scan_ros2_app([tmp_path / "app"], [(launch, {})], {}, ScanOptions(workers=1))
+    assert [node.name for node in graph.nodes] == ["/gazebo", "/sim/state", "/drive"]
+    services = ends(graph, "/gazebo")
+    assert "/spawn_entity" in services
+    assert "/apply_link_wrench" not in services
+    assert [note.what for note in graph.unresolved] == ["Gazebo plugin odd"]
+
+
+def test_the_empty_world_of_gazebo_ros_has_no_plugin(simulated, tmp_path):
+    launch = tmp_path / "app" / "include.launch.xml"
+    world = "$(find-pkg-share gazebo_ros)/worlds/empty.world"
+    launch.write_text(INCLUDE.format(name="gazebo", world=world, plugin="factory"))
+    graph = scan_ros2_app([tmp_path / "app"], [(launch, {})], {}, ScanOptions(workers=1))
+    assert "/apply_link_wrench" in ends(graph, "/gazebo")
+    assert graph.unresolved == ()
+
+
+def test_another_launch_of_gazebo_ros_is_noted(simulated, tmp_path):
+    launch = tmp_path / "app" / "include.launch.xml"
+    launch.write_text(INCLUDE.format(name="other", world="", plugin="init"))
+    why = r"not known: \{find-pkg-share gazebo_ros\}/launch/other.launch.py"
+    with pytest.raises(InputError, match=why):
+        scan_ros2_app([tmp_path / "app"], [(launch, {})], {}, ScanOptions(workers=1))

@@ -9,7 +9,8 @@ from rtron.sources.launch.commands import Cat
 from rtron.sources.launch.unresolvable import UnresolvableError
 from rtron.sources.launch2.commands import Commands
 from rtron.sources.launch2.functions import Function, closed, given
-from rtron.sources.launch2.pieces import shown
+from rtron.sources.launch2.known import is_known
+from rtron.sources.launch2.pieces import hole, shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +44,8 @@ class Lookups:
             share = Path(prefix) / "share" / name
             if is_there(share) and share.is_dir():
                 return str(share)
+        if self.symbolic and is_known(name):
+            return hole(f"find-pkg-share {name}")
         raise UnresolvableError(f"package '{name}' is not here")
 
     def _prefix(self, words: list[str]) -> str:

@@ -20,6 +20,7 @@ from rtron.sources.launch2.element import Element, parse_elements
 from rtron.sources.launch2.evaluator import Evaluator
 from rtron.sources.launch2.gazebo_actions import GAZEBO_ACTIONS, included_by, started_by
 from rtron.sources.launch2.guarded import GuardedNodes
+from rtron.sources.launch2.known import known_launch
 from rtron.sources.launch2.loops import LOOPS, NOT_KNOWN, OPEN_ROUND, rounds_of
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.launch2.place import Place
@@ -225,6 +226,7 @@ class Reader:
         given = (*element.named("arg"), *element.named("let"))
         for argument in given:
             Settings(self._evaluator).let(argument, scope, place)
+        spelled = known_launch(spelled) if spelled else spelled
         if spelled is None or has_hole(spelled):
             self._nodes.not_included(element, spelled, place)
             return

@@ -19,6 +19,7 @@ from rtron.sources.models.arguments import own_arguments, positional
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.notes import Notes
 from rtron.sources.static.part import Part
+from rtron.sources.static.ros2_hooks import hooked_folders
 from rtron.sources.static.ros2_simulation import PACKAGE, SIMULATED, GazeboNodes
 from rtron.sources.workspace.files import is_regular
 
@@ -28,6 +29,8 @@ _VALUED = (
     "-s --server-plugin -g --gui-plugin -e --physics -p --play -o --profile --iters --seed "
     "--initial_sim_time --record_path --record_encoding --record_period --record_filter"
 )
+_OWN = f"{{find-pkg-share {PACKAGE}}}/worlds/empty.world"
+"""The world of gazebo_ros that its launch file has by default, without a plugin."""
 _MODELS, _RESOURCES = "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH"
 
 
@@ -91,34 +94,34 @@ class GazeboServers:
 
     def _world(self, server: AppNode) -> World:
         named = [word for word in positional(server.site.args, _VALUED) if word.strip()]
-        if not named:
+        if not named or named[0] == _OWN:
             return World()
-        environ = dict(server.site.environ)
         try:
-            path = self._file(named[0], environ.get(_RESOURCES, ""))
-            models = self._inside(environ.get(_MODELS, ""), self.environ.get(_MODELS, ""))
+            path = self._file(named[0], self._folders(_RESOURCES, server))
             packages = self.nodes.files.workspace.packages
-            world = read_world(path, packages, {_MODELS: ":".join(models)})
+            models = ":".join(self._folders(_MODELS, server))
+            world = read_world(path, packages, {_MODELS: models})
         except InputError as error:
             self.notes.add(f"world {named[0]}", str(error), server.evidence)
             return World()
         self.notes.unresolved.extend(world.unresolved)
         return world
 
-    def _file(self, spelled: str, resources: str) -> Path:
+    def _file(self, spelled: str, folders: Iterable[str]) -> Path:
         files, installed = self.nodes.files, Installed(self.nodes.files.workspace)
-        folders = self._inside(resources, self.environ.get(_RESOURCES, ""))
         for folder in ("/", *folders):
             path = Path(installed(str(Path(folder, spelled))))
             if files.lies_in(path) and is_regular(path):
                 return path
         raise InputError("is not in the folders that are read")
 
-    def _inside(self, given: str, users: str) -> list[str]:
+    def _folders(self, variable: str, server: AppNode) -> list[str]:
         """Return the folders of a search path that are the user's, or lie in the workspace."""
-        own = users.split(":")
-        folders = filter(None, (*given.split(":"), *own))
-        return [one for one in folders if one in own or self.nodes.files.lies_in(Path(one))]
+        files, own = self.nodes.files, self.environ.get(variable, "").split(":")
+        hooked = map(str, hooked_folders(variable, files))
+        given = dict(server.site.environ).get(variable, "").split(":")
+        folders = filter(None, (*given, *hooked))
+        return [one for one in folders if one in own or files.lies_in(Path(one))]
 
 
 def _system_plugins(words: Sequence[str]) -> Iterator[str]:
