@@ -25,6 +25,8 @@ NODES = [
     "joint_state_publisher_gui/joint_state_publisher_gui",
     "joy/game_controller_node",
     "joy/joy_node",
+    "joy_linux/joy_linux_node",
+    "laser_filters/scan_to_scan_filter_chain",
     "ld08_driver/ld08_driver",
     "nav2_amcl/amcl",
     "nav2_behaviors/behavior_server",
@@ -46,6 +48,8 @@ NODES = [
     "robot_localization/ukf_node",
     "robot_state_publisher/robot_state_publisher",
     "ros2action/send_goal",
+    "ros2bag/play",
+    "ros2bag/record",
     "ros2service/call",
     "ros2topic/echo",
     "ros2topic/pub",
@@ -345,6 +349,32 @@ def test_an_rviz_shows_and_sends_what_its_file_says(tmp_path):
     }
     (scan,) = [d for d in found.declarations if d.name == "/scan"]
     assert scan.qos == QoS(depth=7, reliability=Reliability.BEST_EFFORT)
+
+
+def test_a_bag_is_recorded_and_played():
+    heard = modelled("ros2bag/record", args="-o out --storage mcap --topics /scan /odom -d 9")
+    topics = {t[1:] for t in told(heard) if t[0] == "subscribe"}
+    assert topics == {("/scan", ""), ("/odom", "")}
+    assert heard.unresolved == ()
+    (note,) = modelled("ros2bag/record", args="-a -o out").unresolved
+    assert note.why == "it records whatever is published"
+    played = modelled("ros2bag/play", args="-r 2 run.bag --clock")
+    assert ("publish", "/clock", "rosgraph_msgs/msg/Clock") in told(played)
+    assert [note.what for note in played.unresolved] == ["the topics in run.bag"]
+
+
+@pytest.mark.parametrize(
+    ("distribution", "given", "topics"),
+    [
+        ("humble", {}, ["/robot/driver/robot_description"]),
+        ("humble", {"/**": {"robot_description": "<robot/>"}}, []),
+        ("jazzy", {"/**": {"robot_description": "<robot/>"}}, ["/robot/robot_description"]),
+    ],
+)
+def test_a_controller_manager_asks_for_a_description_it_is_not_given(distribution, given, topics):
+    environ = [("ROS_DISTRO", distribution)]
+    found = modelled("controller_manager/ros2_control_node", settings=given, environ=environ)
+    assert [t[1] for t in told(found) if t[0] == "subscribe"] == topics
 
 
 def test_what_clients_over_the_network_open_is_noted():

@@ -21,7 +21,8 @@ def started(tmp_path):
     launch = tmp_path / "app.launch.py"
 
     def scan(*words):
-        launch.write_text(PYTHON.format(cmd=list(words)))
+        written = [word if word.startswith("[") else repr(word) for word in words]
+        launch.write_text(PYTHON.format(cmd=f"[{', '.join(written)}]"))
         return scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
 
     return scan
@@ -76,9 +77,24 @@ def test_a_goal_that_is_sent(started):
     assert action.role is ActionRole.CLIENT
 
 
+def test_a_bag_that_is_recorded(started):
+    graph = started("ros2 ", "bag ", "record ", "/scan ", "-o ", "out")
+    (heard,) = graph.subscribers("/scan")
+    assert heard.node == "/rosbag2_recorder"
+    (note,) = started("ros2 bag record -a").unresolved
+    assert note.what == "the topics that ros2 bag records"
+
+
+def test_what_is_not_known_of_a_line_stays_in_its_word(started):
+    whole = '["ros2 topic pub /", LaunchConfiguration("a b"), "/x std_msgs/msg/Bool --once"]'
+    graph = started(whole)
+    (sent,) = [e for e in graph.endpoints if not e.implicit]
+    assert (sent.topic, sent.type) == ("/{a b}/x", "std_msgs/msg/Bool")
+
+
 def test_each_command_of_a_shell_counts(started):
     script = "sleep 5 && ros2 service call /go std_srvs/srv/Empty ; ros2 run demo talker -r x:=y"
-    graph = started("bash", "-lc", script + " | tee log")
+    graph = started("bash", "-lc", f"'{script}'", "|", "tee", "log")
     assert {node.name for node in graph.nodes} == {"/talker", "/_ros2cli_requester_std_srvs_Empty"}
     whats = [note.what for note in graph.unresolved]
     assert whats == ["node /talker (demo/talker)", "process tee log"]

@@ -54,6 +54,11 @@ def shown(text: str) -> str:
     return _HOLE.sub(r"{\1}", text).replace(_OPEN, "").replace(_CLOSE, "")
 
 
+def with_holes(text: str, changed: Callable[[str], str]) -> str:
+    """Return a text with what each of its holes says changed."""
+    return _HOLE.sub(lambda found: hole(changed(found[1])), text)
+
+
 def parts(text: str) -> list[tuple[str, bool]]:
     """Return a text's parts, and of each whether it is a hole; then it is what the hole says."""
     found = [(part, at % 2 == 1) for at, part in enumerate(_HOLE.split(text))]

@@ -74,9 +74,10 @@ class Starts(Surroundings):
                 scope.doubtful = doubtful
 
     def executable(self, element: Element, scope: Scope, place: Place) -> None:
-        """Take a process; `ros2 run` starts a node."""
+        """Take a process; `ros2 run` starts a node. A shell takes its words apart again."""
         words = self._words(element, "cmd", scope, place)
-        words = tuple(split_words(words[0])) if len(words) == 1 else words
+        if len(words) == 1 or element.plain("shell").lower() == "true":
+            words = tuple(split_words(" ".join(words)))
         given = Given(self.evaluator, scope, place)
         found = Start(
             kind=StartKind.PROCESS,

@@ -7,22 +7,25 @@ from itertools import pairwise
 
 from rtron.sources.launch2.parameter_file import yaml_value
 from rtron.sources.launch2.parameters import ALL, ParameterSource
-from rtron.sources.launch2.pieces import Pieces, shown
+from rtron.sources.launch2.pieces import Pieces, shown, with_holes
 from rtron.sources.launch2.result import Start, StartKind
 from rtron.vocabulary import Evidence
 from rtron.vocabulary.parameters import Parameter
 from rtron.vocabulary.remap_rules import Rule, rules_in
 
 RUN = ("ros2", "run")
+_BLANK = "\ue002"
 _REMAP, _PARAMETER = frozenset({"-r", "--remap"}), frozenset({"-p", "--param"})
 
 
 def split_words(text: str) -> list[str]:
-    """Return the words of a command line."""
+    """Return the words of a command line; a hole is in one of them."""
+    whole = with_holes(text, lambda name: name.replace(" ", _BLANK))
     try:
-        return shlex.split(text)
+        words = shlex.split(whole)
     except ValueError:
-        return text.split()
+        words = whole.split()
+    return [word.replace(_BLANK, " ") for word in words]
 
 
 def split_pieces(pieces: Pieces) -> list[Pieces]:

@@ -26,18 +26,27 @@ _VERBS: Mapping[str, frozenset[str]] = {
     "topic": frozenset({"pub", "echo", "hz", "bw", "delay"}),
     "service": frozenset({"call"}),
     "action": frozenset({"send_goal"}),
+    "bag": frozenset({"play", "record"}),
 }
 
 
 def commands(process: Start) -> Iterator[Start]:
     """Yield a process for each command of a shell's line; another process as it is."""
-    words = process.arguments
-    if words and Path(words[0]).name in _SHELLS:
-        script = next((at for at, word in enumerate(words) if _takes_script(word)), len(words))
-        words = tuple(split_words(" ".join(words[script + 1 : script + 2]))) or words
-    for is_between, command in groupby(words, _BETWEEN.__contains__):
-        if not is_between:
-            yield replace(process, arguments=tuple(command))
+    for is_between, group in groupby(process.arguments, _BETWEEN.__contains__):
+        words = tuple(group)
+        script = _script(words)
+        if script:
+            yield from commands(replace(process, arguments=script))
+        elif not is_between:
+            yield replace(process, arguments=words)
+
+
+def _script(words: Sequence[str]) -> tuple[str, ...]:
+    """Return the words of the script that a shell is given (`bash -c SCRIPT`); none for another."""
+    if Path(words[0]).name not in _SHELLS:
+        return ()
+    flag = next((at for at, word in enumerate(words) if _takes_script(word)), len(words))
+    return tuple(split_words("".join(words[flag + 1 : flag + 2])))
 
 
 def joining(process: Start) -> Start | None:

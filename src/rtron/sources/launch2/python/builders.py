@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.values import NONE, Instance
+from rtron.sources.code.interpreter.values import NONE, Instance, truth
 from rtron.sources.code.natives.launch_calls import call_name, given
 from rtron.sources.launch2.element import Element
 from rtron.sources.launch2.python.actions import Actions, Attributes, Build
@@ -87,8 +87,9 @@ def _process(actions: Actions, fields: Fields) -> Element:
         *actions.pairs("env", own.get("env"), "name", "value"),
         *actions.pairs("env", own.get("additional_env"), "name", "value"),
     )
-    name = actions.texts_of(own, name="name")
-    return Element("executable", name, (*actions.words("cmd", own.get("cmd")), *environ))
+    shell = {"shell": "true"} if truth(fields.get("shell", NONE)) is True else {}
+    attributes = {**actions.texts_of(own, name="name"), **shell}
+    return Element("executable", attributes, (*actions.words("cmd", own.get("cmd")), *environ))
 
 
 def _reset(actions: Actions, fields: Fields) -> Element:
