@@ -163,3 +163,27 @@ def test_the_ros_of_xml_is_told_by_its_elements_then_by_its_package(tmp_path, te
     (tmp_path / "app.launch.xml").write_text(text)
     assert generation_of(tmp_path / "app.launch.xml") == ros
     assert generation_of(tmp_path / "app.launch.py") == 2
+
+
+HIDING = """import rclpy
+from somewhere.robots import Robot
+def main():
+    rclpy.init()
+    robot = Robot("robot")
+    robot.drive()
+main()
+"""
+
+
+def test_a_program_that_makes_no_node_that_is_seen_is_noted(tmp_path):
+    (tmp_path / "package.xml").write_text("<package format='3'><name>app</name></package>")
+    cmake = "project(app)\ninstall(PROGRAMS drive.py DESTINATION lib/${PROJECT_NAME})\n"
+    (tmp_path / "CMakeLists.txt").write_text(cmake)
+    (tmp_path / "drive.py").write_text(HIDING)
+    launch = tmp_path / "app.launch.xml"
+    launch.write_text("<launch><node pkg='app' exec='drive.py'/></launch>")
+    graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ONE)
+    assert [node.name for node in graph.nodes] == ["/drive"]
+    (note,) = graph.unresolved
+    assert note.what == "node /drive (app/drive.py)"
+    assert "no node is seen that it makes" in note.why

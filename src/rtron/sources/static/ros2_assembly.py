@@ -36,6 +36,7 @@ class Ros2Assembly(GraphParts):
         for parameter in part.interface.parameters:
             self.parameters[parameter.node, parameter.name] = parameter
         self.note(*part.interface.unresolved)
+        self.note(*_unseen(part))
         for started in part.interface.starts:
             what = f"launch {started.path} that {part.owner} starts"
             why = "what a node starts itself is not followed: name it with --launch too"
@@ -56,6 +57,15 @@ class Ros2Assembly(GraphParts):
             why = "started at several places; they all run, and nothing tells them apart"
             places = (first, node.evidence)
             self.note(Unresolved(what=f"node {name}", why=why, evidence=places))
+
+
+def _unseen(part: Part) -> Iterator[Unresolved]:
+    """Yield a note on a program whose source is here and makes no node: code elsewhere may."""
+    node, found = part.node, part.interface
+    if part.task is not None and not (found.declarations or found.nodes):
+        what = f"node {node.name} ({node.package}/{node.type})"
+        why = "its source is here, and no node is seen that it makes"
+        yield Unresolved(what=what, why=why, evidence=(node.evidence,))
 
 
 def _made(part: Part) -> Iterator[MadeNode]:
