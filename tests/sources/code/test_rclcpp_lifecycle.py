@@ -137,4 +137,13 @@ def test_what_another_package_defines_is_found_in_its_sources(workspace):
 
 def test_a_plugin_that_is_nowhere_is_noted(workspace):
     found = hosted(workspace, settings=settings(first__plugin="gone::Layer"))
-    assert "plugin gone::Layer" in [note.what for note in found.unresolved]
+    assert ("plugin gone::Layer", "its source is not found") in {
+        (note.what, note.why) for note in found.unresolved
+    }
+
+
+def test_a_plugin_that_only_a_running_app_names_is_noted(workspace, tmp_path):
+    named = HOST.replace('declare_parameter(name + ".plugin", "layers::Static")', "asked()")
+    (tmp_path / "host" / "host.cpp").write_text(named)
+    (note,) = hosted(workspace).unresolved
+    assert (note.what, note.why) == ("plugin {asked()}", "which one it is, is not known")

@@ -79,13 +79,13 @@ def test_a_world_is_looked_for_where_the_user_says(simulated, tmp_path):
     worlds = {"GAZEBO_RESOURCE_PATH": str(tmp_path / "app" / "worlds")}
     assert "/drive" in {n.name for n in simulated("gzserver app.world", environ=worlds).nodes}
     (note,) = simulated("gzserver -e ode app.world").unresolved
-    assert (note.what, note.why) == ("world app.world", "is not in the folders that are read")
+    assert (note.what, note.why) == ("world app.world", "is not found in the folders that are read")
 
 
 def test_a_world_outside_of_the_workspace_is_not_read(simulated, tmp_path):
     graph = simulated(f"gzserver {tmp_path}/outside.world {INIT}")
     assert [node.name for node in graph.nodes] == ["/gazebo"]
-    assert [note.why for note in graph.unresolved] == ["is not in the folders that are read"]
+    assert [note.why for note in graph.unresolved] == ["is not found in the folders that are read"]
 
 
 def test_a_world_is_looked_for_where_a_package_hooks_it_in(simulated, tmp_path):

@@ -113,7 +113,7 @@ class GazeboServers:
             path = Path(installed(str(Path(folder, spelled))))
             if files.lies_in(path) and is_regular(path):
                 return path
-        raise InputError("is not in the folders that are read")
+        raise InputError("is not found in the folders that are read")
 
     def _folders(self, variable: str, server: AppNode) -> list[str]:
         """Return the folders of a search path that are the user's, or lie in the workspace."""

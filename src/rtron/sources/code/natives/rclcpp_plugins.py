@@ -44,8 +44,7 @@ def _create(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
         for name in names or [option]:
             _load(machine, name, base, arguments, found)
     if not found and (machine.recorder.site.complete or not isinstance(base, Known)):
-        what = f"plugin {spelled(arguments.get(0) or _UNKNOWN)}"
-        machine.recorder.unresolved(what, "its source is not found", arguments.evidence)
+        _missed(machine, arguments.get(0) or _UNKNOWN, arguments)
     return join(found.values()) if found else Hole("plugin")
 
 
@@ -59,8 +58,13 @@ def _load(
     if made is not None:
         found[spelled_name] = shared(machine, made)
     else:
-        what = f"plugin {spelled_name}"
-        machine.recorder.unresolved(what, "its source is not found", arguments.evidence)
+        _missed(machine, name, arguments)
+
+
+def _missed(machine: Machine, name: Value, at: Arguments) -> None:
+    """Note a plugin that is not here, or that only the running app names."""
+    why = "its source is not found" if isinstance(name, Known) else "which one it is, is not known"
+    machine.recorder.unresolved(f"plugin {spelled(name)}", why, at.evidence)
 
 
 def _meant(machine: Machine, name: Value, base: Value, at: Arguments) -> list[Value]:
