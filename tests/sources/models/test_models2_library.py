@@ -392,6 +392,31 @@ def test_what_clients_over_the_network_open_is_noted():
     assert {name.rpartition("/")[0] for name in names(asked, "service")} == {"/rosapi"}
 
 
+PANELS = """Panels:
+- {Class: rviz_common/Displays}
+- {Class: nav2_rviz_plugins/Navigation 2}
+- 3
+Visualization Manager:
+  Displays: [{Class: nav2_rviz_plugins/ParticleCloud, Topic: {Value: /particle_cloud}}]
+"""
+
+
+def test_the_panel_of_nav2_is_a_node_that_sends_goals(tmp_path):
+    (tmp_path / "app.rviz").write_text(PANELS)
+    found = modelled("rviz2/rviz2", args=f"-d {tmp_path}/app.rviz")
+    panel = [d for d in found.declarations if d.node.endswith("navigation_dialog_action_client")]
+    assert ("action_client", "/robot/follow_waypoints", "nav2_msgs/action/FollowWaypoints") in {
+        (str(d.kind), d.name, d.type) for d in panel
+    }
+    assert "/robot/lifecycle_manager_localization/is_active" in {d.name for d in panel}
+    assert ("subscribe", "/particle_cloud", "nav2_msgs/msg/ParticleCloud") in told(found)
+    (tmp_path / "app.rviz").write_text(PANELS.replace("Navigation 2", "Other"))
+    other = modelled("rviz2/rviz2", args=f"-d {tmp_path}/app.rviz")
+    unknown = modelled("rviz2/rviz2", args="-d /nowhere/app.rviz")
+    for one in (other, unknown):
+        assert not [d for d in one.declarations if str(d.kind) == "action_client"]
+
+
 def test_arguments_that_the_client_library_takes_are_not_the_nodes():
     found = modelled("topic_tools/relay", args="/in /out --ros-args -r a:=b -p x:=1")
     ends = {(d.kind.value, d.name) for d in found.declarations}

@@ -10,7 +10,12 @@ from itertools import takewhile
 from rtron.sources.models import arguments
 from rtron.sources.models.parameters2 import children, parameter
 from rtron.sources.models.rviz import rviz_publications, rviz_subscriptions
-from rtron.sources.models.rviz2 import rviz2_markers, rviz2_publications, rviz2_subscriptions
+from rtron.sources.models.rviz2 import (
+    rviz2_markers,
+    rviz2_panels,
+    rviz2_publications,
+    rviz2_subscriptions,
+)
 from rtron.sources.models.scope import Scope
 from rtron.sources.models.values import Hole, Value, has_hole, hole, known, truth
 from rtron.sources.models.yaml_file import yaml_file
@@ -158,6 +163,7 @@ _PURE: Mapping[str, Function] = {
     "rviz_publications": rviz_publications,
     "rviz_subscriptions": rviz_subscriptions,
     "rviz2_markers": rviz2_markers,
+    "rviz2_panels": rviz2_panels,
     "rviz2_publications": rviz2_publications,
     "rviz2_subscriptions": rviz2_subscriptions,
     "yaml_file": yaml_file,

@@ -5,6 +5,7 @@ from typing import Any
 
 from rtron.sources.models.rviz import TOPIC_KEYS, TYPES, displays, manager, mappings
 from rtron.sources.models.values import Value, has_hole
+from rtron.sources.models.yaml_file import yaml_file
 
 _TOOLS = {
     "SetInitialPose": ("initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
@@ -21,6 +22,7 @@ _WITH_INFO = {("Camera", "Topic"), ("DepthCloud", "Depth Map Topic")}
 """The displays that hear `camera_info` beside the topic of this key too."""
 
 _ROS1, _PACKAGE = "rviz/", "rviz_default_plugins/"
+_OTHERS = {"nav2_rviz_plugins/ParticleCloud": "nav2_msgs/msg/ParticleCloud"}
 
 
 def rviz2_subscriptions(config: Value) -> list[dict[str, str]]:
@@ -48,6 +50,13 @@ def rviz2_markers(config: Value) -> list[str]:
     return [name.rstrip("/") for name in named if isinstance(name, str) and name.strip("/")]
 
 
+def rviz2_panels(config: Value) -> list[str]:
+    """Return the classes of a configuration file's panels; none where the file is not known."""
+    tree = yaml_file(config) if config else {}
+    panels = mappings(tree.get("Panels")) if isinstance(tree, Mapping) else []
+    return [str(panel.get("Class", "")) for panel in panels]
+
+
 def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     kind = str(display.get("Class", ""))
     is_file = display.get("Description Source") == "File"
@@ -64,6 +73,8 @@ def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
 
 
 def _type(kind: str) -> str:
+    if kind in _OTHERS:
+        return _OTHERS[kind]
     package, _, name = TYPES.get(kind.replace(_PACKAGE, _ROS1, 1), "").partition("/")
     return f"{package}/msg/{name}" if name else ""
 
