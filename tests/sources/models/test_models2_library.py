@@ -97,6 +97,14 @@ def test_the_library_of_ros2_has_the_controller(name):
     assert MODELS.controller(name) is not None
 
 
+@pytest.mark.parametrize("name", sorted(n for kind, n in MODELS.by_name if kind == "controller"))
+def test_a_controller_has_no_services_of_its_lifecycle(name):
+    found = interface(MODELS.controller(name), site2(name="/arm"), models=MODELS)
+    names = {declared.name for declared in found.declarations}
+    assert "/arm/transition_event" in names
+    assert "/arm/change_state" not in names
+
+
 @pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)
 def test_every_expression_parses_in_ros2(key):
     for kind, text in texts(MODELS.by_name[key]):
