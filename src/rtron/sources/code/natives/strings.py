@@ -78,7 +78,7 @@ def _called(machine: Machine, name: str, text: Any, values: list[Any]) -> Any:  
     return getattr(text, name)(*values)
 
 
-def _most(name: str, text: Any, values: list[Any]) -> int:  # noqa: ANN401 - any Python values
+def _most(name: str, text: str, values: list[Any]) -> int:
     """Return how many characters a method leaves at most; case changes only in their places."""
     if name == "replace":
         old, new = values[:2]
