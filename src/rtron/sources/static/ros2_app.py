@@ -13,7 +13,7 @@ from rtron.sources.launch2.executed.execution import Execution
 from rtron.sources.launch2.executed.lines import with_lines
 from rtron.sources.launch2.executed.openness import leaves_open
 from rtron.sources.launch2.result import AppLaunch
-from rtron.sources.models import LIBRARY2, load_models
+from rtron.sources.models import LIBRARY2, Models, load_models
 from rtron.sources.static.cache import open_cache
 from rtron.sources.static.interpreting import Interpreting
 from rtron.sources.static.launched import Launch
@@ -29,6 +29,7 @@ from rtron.sources.static.ros2_simulation import GazeboNodes
 from rtron.sources.static.ros2_started import StartedNodes
 from rtron.sources.static.structure import workspace_state
 from rtron.sources.static.worker import deep_recursion
+from rtron.sources.workspace import Workspace
 from rtron.vocabulary import InteractionGraph
 
 
@@ -49,19 +50,11 @@ def scan_ros2_app(
     read = _read(launches, environ, files, chosen.execution)
     started = StartedNodes(environ=environ)
     nodes = list(started.nodes([start for launch in read for start in launch.starts]))
-    state = workspace_state(workspace) if chosen.cache else ""
     models = load_models(LIBRARY2)
-    interpreting = Interpreting(
-        workspace=workspace,
-        cache=open_cache(chosen.cache, state),
-        pool=Pool(workspace, chosen.workers, chosen.seconds),
-        progress=chosen.progress,
-        models=models,
-    )
     gazebo = GazeboServers(GazeboNodes(models, files), environ)
     assembly = Ros2Assembly(workspace=workspace)
     made = _made(read)
-    with closing(interpreting):
+    with closing(_interpreting(workspace, chosen, models)) as interpreting:
         parts = list(interpreting.parts(nodes))
         parts += gazebo.nodes.parts(parts)
         parts += gazebo.parts(started.servers)
@@ -73,6 +66,17 @@ def scan_ros2_app(
     assembly.note(*(note for launch in read for note in launch.unresolved))
     assembly.note(*started.notes.unresolved, *gazebo.notes.unresolved)
     return assembly.graph(Path(read[0].file).name.split(".")[0] if read else "")
+
+
+def _interpreting(workspace: Workspace, chosen: ScanOptions, models: Models) -> Interpreting:
+    state = workspace_state(workspace) if chosen.cache else ""
+    return Interpreting(
+        workspace=workspace,
+        cache=open_cache(chosen.cache, state),
+        pool=Pool(workspace, chosen.workers, chosen.seconds),
+        progress=chosen.progress,
+        models=models,
+    )
 
 
 def _read(
