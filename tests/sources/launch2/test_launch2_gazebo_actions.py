@@ -25,6 +25,11 @@ INCLUDE = """
 """
 
 
+def told(start):
+    """Return the parameters that say something."""
+    return {name: value for name, value in values(start).items() if value}
+
+
 def both(python, xml, **given):
     """Read the same actions in both formats."""
     in_python = "".join(f"{name}='{value}', " for name, value in given.items())
@@ -42,7 +47,7 @@ def test_alone_they_are_programs(python, xml):
             ("ros_gz_sim", "create", ""),
         ]
         assert names(app)[0] == "/r/gate"
-        assert [values(start) for start in app.starts] == [
+        assert [told(start) for start in app.starts] == [
             {"config_file": "/b.yaml"},
             {"world_sdf_file": "w.sdf"},
             {"file": "/r.sdf", "name": "robo"},
@@ -81,7 +86,7 @@ def test_their_launch_files_are_known_without_their_folder(
     python, owner, file, program, parameters
 ):
     app = python(INCLUDE.format(owner, file))
-    assert [(start.program, values(start)) for start in app.starts] == [(program, parameters)]
+    assert [(start.program, told(start)) for start in app.starts] == [(program, parameters)]
 
 
 @pytest.mark.parametrize(

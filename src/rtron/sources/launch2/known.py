@@ -6,7 +6,7 @@ from pathlib import Path
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.models.packages import known_packages
 
-_IN_PACKAGE = re.compile(r"\{find-pkg-share (\w+)\}/+launch/+(\w+\.launch)\.(?:py|xml|yaml)")
+_IN_PACKAGE = re.compile(r"\{find-pkg-share (\w+)\}/+launch/+(\w+\.launch)(?:\.(?:py|xml|yaml))?")
 
 
 def known_launch(spelled: str) -> str:

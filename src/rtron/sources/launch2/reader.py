@@ -18,11 +18,11 @@ from rtron.sources.launch2.bounds import MAX_INCLUDED
 from rtron.sources.launch2.choices import Choices
 from rtron.sources.launch2.element import Element, parse_elements
 from rtron.sources.launch2.evaluator import Evaluator
-from rtron.sources.launch2.gazebo_actions import GAZEBO_ACTIONS, included_by, started_by
+from rtron.sources.launch2.gazebo_actions import GAZEBO_ACTIONS, inclusion
 from rtron.sources.launch2.guarded import GuardedNodes
 from rtron.sources.launch2.known import known_launch
 from rtron.sources.launch2.loops import LOOPS, NOT_KNOWN, OPEN_ROUND, rounds_of
-from rtron.sources.launch2.pieces import has_hole, shown
+from rtron.sources.launch2.pieces import has_hole
 from rtron.sources.launch2.place import Place
 from rtron.sources.launch2.scope import Scope
 from rtron.sources.launch2.settings import HARMLESS, SETTINGS, Settings
@@ -157,7 +157,7 @@ class Reader:
             # A guarded launch has none: its nodes could not have remaps of their own.
             self._loop(element, scope, place)
         elif element.tag in GAZEBO_ACTIONS and self._evaluator.symbolic:
-            self._actions(started_by(element), scope, place)
+            self._include(inclusion(element), scope, place)
         elif read is not None:
             read(element, scope, place)
         elif element.run is not None:
@@ -216,13 +216,7 @@ class Reader:
         scope.loops = around
 
     def _include(self, element: Element, scope: Scope, place: Place) -> None:
-        noted = len(self._evaluator.unresolved)
         spelled = self._evaluator.text(element, "file", scope, place)
-        known = included_by(element, shown(spelled or "")) if self._evaluator.symbolic else None
-        if known is not None:
-            del self._evaluator.unresolved[noted:]  # that its package is not here
-            self._actions(known, scope, place)
-            return
         given = (*element.named("arg"), *element.named("let"))
         for argument in given:
             Settings(self._evaluator).let(argument, scope, place)
