@@ -46,6 +46,14 @@ SOURCES_OF_X = [
     ("function(f)\nset(S a.cpp PARENT_SCOPE)\nendfunction()\nf()\nadd_executable(x ${S})", "a"),
     ("function(make_${PROJECT_NAME} n)\nadd_executable(${n} a.cpp)\nendfunction()\nmake_pkg(x)",
      "a"),
+    (('function(f n)\ncmake_parse_arguments(A "STRICT" "NAME" "FILES;LIBS" ${ARGN})\n'
+     "add_executable(${A_NAME} ${A_FILES})\nendfunction()\n"
+     "f(y STRICT FILES a.cpp c.cpp NAME x LIBS ${foo_TARGETS} foo::foo)"), "a c"),
+    (('function(f)\ncmake_parse_arguments(PARSE_ARGV 1 A "" "NAME" "FILES")\n'
+     "add_executable(x ${A_UNPARSED_ARGUMENTS} ${A_FILES})\nendfunction()\n"
+     "f(c.cpp NAME y b.cpp FILES a.cpp)"), "b a"),
+    (('function(f)\ncmake_parse_arguments(A "FAST" "" "" ${ARGN})\nif(A_FAST)\nset(S a.cpp)\n'
+     "else()\nset(S b.cpp)\nendif()\nadd_executable(x ${S})\nendfunction()\nf()"), "b"),
     ("add_executable(x)\ntarget_sources(x PRIVATE a.cpp)", "a"),
     ("cuda_add_executable(x a.cpp)", "a"),
     ("rosbuild_add_executable(x a.cpp)", "a"),

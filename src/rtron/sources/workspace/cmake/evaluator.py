@@ -13,6 +13,7 @@ from rtron.sources.workspace.cmake.build import Build
 from rtron.sources.workspace.cmake.call import Budget, Call, Scope
 from rtron.sources.workspace.cmake.condition import Facts, Truth, holds
 from rtron.sources.workspace.cmake.joining import join
+from rtron.sources.workspace.cmake.parsing import PARSING_COMMANDS
 from rtron.sources.workspace.cmake.targets import TARGET_COMMANDS
 from rtron.sources.workspace.cmake.tokens import Argument, Command, read_commands
 from rtron.sources.workspace.cmake.values import BoundsError, Item, Value, items, split
@@ -25,7 +26,7 @@ MAX_BYTES = 1024 * 1024
 MAX_DEPTH = 48
 LIST_FILE = "CMakeLists.txt"
 
-_HANDLERS = {**VARIABLE_COMMANDS, **TARGET_COMMANDS, **AMENT_COMMANDS}
+_HANDLERS = {**VARIABLE_COMMANDS, **PARSING_COMMANDS, **TARGET_COMMANDS, **AMENT_COMMANDS}
 _LINUX = {
     **dict.fromkeys(("WIN32", "APPLE", "MSVC", "ANDROID", "CYGWIN", "MINGW", "IOS"), "0"),
     **dict.fromkeys(("UNIX", "CATKIN_ENABLE_TESTING", "CMAKE_COMPILER_IS_GNUCXX"), "1"),
