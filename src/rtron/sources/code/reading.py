@@ -138,8 +138,9 @@ def _may_mean(text: bytes, definition: str) -> bool:
 def _beside(dotted: str, importer: Path) -> Path | None:
     level = len(dotted) - len(dotted.lstrip("."))
     folder = importer.parents[min(level, len(importer.parents)) - 1]
-    base = folder.joinpath(*dotted.lstrip(".").split("."))
-    for path in (base.with_suffix(".py"), base / "__init__.py"):
+    names = [name for name in dotted.split(".") if name]
+    base = folder.joinpath(*names)
+    for path in (*([base.with_suffix(".py")] if names else ()), base / "__init__.py"):
         if path.is_file():
             return path
     return None

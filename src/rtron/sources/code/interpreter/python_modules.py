@@ -56,16 +56,26 @@ class PythonModules:
 
     def import_(self, node: Import, frame: Frame) -> None:
         """Bind what an import brings: a scanned module, or a library by its name."""
-        module = self._module(_absolute(node), Path(frame.file))
+        importer = Path(frame.file)
         if node.name == "*":
-            self._import_all(module, frame)
+            self._import_all(self._module(_absolute(node), importer), frame)
             return
         alias = node.alias or node.name or node.module.partition(".")[0]
         if node.name is None:
-            value = module if node.alias else self._module(alias, Path(frame.file))
+            module = self._module(node.module, importer)
+            value = module if node.alias else self._module(alias, importer)
         else:
-            value = self._of_module(module, node.name) or Foreign(f"{node.module}.{node.name}")
+            value = self._from_module(_absolute(node), node.name, importer)
         self.machine.trail.set(frame.variables, alias, value)
+
+    def _from_module(self, dotted: str, name: str, importer: Path) -> Value:
+        """Return a name of a module; a folder without `__init__.py` has modules alone (PEP 420)."""
+        owner = self._module(dotted, importer)
+        if isinstance(owner, Foreign) and not self.is_library(dotted):
+            inner = self._module(f"{dotted}{'' if dotted.endswith('.') else '.'}{name}", importer)
+            if isinstance(inner, ModuleValue):
+                return inner
+        return self._of_module(owner, name) or Foreign(f"{dotted}.{name}")
 
     def _of_module(self, owner: Value, name: str) -> Value | None:
         """Return a name of a module, scanned or of a library."""
@@ -95,7 +105,11 @@ class PythonModules:
         return path != script and path.parents[parts - 1] == script.parent
 
     def _submodule(self, owner: ModuleValue, name: str) -> Value | None:
-        path = self.files.python_module(f"{owner.name}.{name}", Path(owner.file))
+        """Return a module of a package, which lies beside its `__init__.py`."""
+        file = Path(owner.file)
+        beside = file.name == "__init__.py"
+        dotted = f".{name}" if beside else f"{owner.name}.{name}"
+        path = self.files.python_module(dotted, file)
         if path is not None:
             return self._modules.get(path) or self.run(path, f"{owner.name}.{name}")
         return message_type(f"{owner.name}.{name}")
