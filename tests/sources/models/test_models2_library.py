@@ -438,6 +438,15 @@ def test_a_spawner_is_called_like_its_first_controller():
     assert [node.name for node in found.nodes] == ["/ns/spawner_arm"]
 
 
+@pytest.mark.parametrize(
+    ("named", "name"), [(False, "static_transform_publisher_{id}"), (True, "n")]
+)
+def test_a_static_transform_publisher_names_itself_anew_each_time(named, name):
+    model = MODELS.node("tf2_ros", "static_transform_publisher")
+    found = interface(model, site2("/ns/n", named=named), models=MODELS)
+    assert [node.name for node in found.nodes] == [f"/ns/{name}"]
+
+
 TOOLS = {
     ("relay", "/in"): ["/in", "/sent"],
     ("relay", "/in out"): ["/in", "/ns/out"],
