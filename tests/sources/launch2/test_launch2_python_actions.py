@@ -203,6 +203,15 @@ def test_lifecycle_nodes_and_processes(python):
     assert (run.remaps, values(run)) == ((("a", "b"),), {"k": True})
 
 
+def test_a_process_that_is_a_program_of_a_package_is_its_node(python):
+    program = "ExecutableInPackage(package='p', executable='e')"
+    app = python(f"ExecuteProcess(cmd=[{program}, 'a b', '--depth', '1'])")
+    (run,) = app.starts
+    assert (run.kind, run.package, run.program) == (StartKind.NODE, "p", "e")
+    assert run.arguments == ("a b", "--depth", "1")
+    assert not app.unresolved
+
+
 def test_the_environment_that_is_set_before_a_node(python):
     app = python(
         "SetEnvironmentVariable('A', '1'), AppendEnvironmentVariable('P', 'x'), "

@@ -131,6 +131,22 @@ def test_a_process_and_a_timer(xml):
     assert (late.name, late.event) == ("late", "timer")
 
 
+@pytest.mark.parametrize("owner", ["p", "$(env P p)"])
+def test_a_process_that_is_a_program_of_a_package_is_its_node(xml, owner):
+    app = xml(f'<executable cmd="$(exec-in-pkg e {owner}) a --ros-args -r __node:=n"/>')
+    (run,) = app.starts
+    assert (run.kind, run.package, run.program, run.full_name) == (StartKind.NODE, "p", "e", "/n")
+    assert run.arguments == ("a", "--ros-args", "-r", "__node:=n")
+    assert not app.unresolved
+
+
+@pytest.mark.parametrize("words", ["gdb $(exec-in-pkg e p)", "$(exec-in-pkg e p)x", "$(exec-in"])
+def test_a_process_with_a_program_of_a_package_elsewhere_stays_one(xml, words):
+    assert [start.kind for start in xml(f'<executable cmd="{words}"/>').starts] == [
+        StartKind.PROCESS
+    ]
+
+
 def test_a_required_argument_of_the_root_file(xml):
     text = '<arg name="a"/><arg name="b" default="$(var a)_b"/><node pkg="p" exec="$(var b)"/>'
     app = xml(text)

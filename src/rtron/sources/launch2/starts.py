@@ -13,6 +13,7 @@ from rtron.sources.launch2.parameters import ALL, ParameterSource
 from rtron.sources.launch2.pieces import has_hole, shown
 from rtron.sources.launch2.place import Place, evidence_of
 from rtron.sources.launch2.result import Argument, Start, StartKind
+from rtron.sources.launch2.run import as_run
 from rtron.sources.launch2.scope import Scope, canonical
 from rtron.sources.launch2.surroundings import Surroundings
 from rtron.sources.launch2.words import (
@@ -75,7 +76,7 @@ class Starts(Surroundings):
 
     def executable(self, element: Element, scope: Scope, place: Place) -> None:
         """Take a process; `ros2 run` starts a node. A shell takes its words apart again."""
-        words = self._words(element, "cmd", scope, place)
+        words = self._words(as_run(element), "cmd", scope, place)
         if len(words) == 1 or element.plain("shell").lower() == "true":
             words = tuple(split_words(" ".join(words)))
         given = Given(self.evaluator, scope, place)
