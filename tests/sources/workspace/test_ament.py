@@ -3,7 +3,7 @@
 import pytest
 from workspace_tree import evaluated, package, sources, workspace
 
-from rtron.sources.workspace import Language
+from rtron.sources.workspace import Language, Workspace
 from rtron.sources.workspace.entry_points import entry_points
 
 
@@ -90,6 +90,13 @@ def test_an_entry_point_is_a_program(tmp_path):
     assert (program.language, program.entry) == (Language.PYTHON, "main")
     assert [path.name for path in program.sources] == ["talker.py"]
     assert workspace(tmp_path).executable("p", "listen") is None
+
+
+def test_the_folder_of_a_package_may_have_another_name(tmp_path):
+    files = {"setup.py": SETUP, "p/__init__.py": "", "p/talker.py": "def main(): pass"}
+    package(tmp_path / "p", files).rename(tmp_path / "here")
+    found = Workspace({"p": tmp_path / "here"}, [tmp_path])
+    assert found.executable("p", "talk").sources == (tmp_path / "here" / "p" / "talker.py",)
 
 
 def test_a_module_of_another_python_package_is_found(tmp_path):

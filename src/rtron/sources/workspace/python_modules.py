@@ -12,14 +12,15 @@ MAX_BYTES = 1024 * 1024
 _SETUP_CALLS = frozenset({"generate_distutils_setup", "setup", "dict"})
 
 
-def module_folder(package: Path) -> Path:
+def module_folder(package: Path, name: str) -> Path:
     """Return the folder of a package's modules: setup.py's `package_dir`, or `src`.
 
-    In ROS 2 the modules' folder is called like the package and stands in its root.
+    In ROS 2 the modules' folder is called like the package and stands in its root; the folder of
+    the package itself may be called otherwise.
 
     setup.py is parsed, never run.
     """
-    if (package / package.name / "__init__.py").is_file():
+    if (package / name / "__init__.py").is_file():
         return package / (_package_dir(package / "setup.py") or "")
     return package / (_package_dir(package / "setup.py") or "src")
 

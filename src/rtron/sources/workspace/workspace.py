@@ -201,7 +201,7 @@ class Workspace:
 
     @cached_property
     def _modules(self) -> Mapping[str, Path]:
-        return {name: module_folder(path) for name, path in self.packages.items()}
+        return {name: module_folder(path, name) for name, path in self.packages.items()}
 
     @cached_property
     def _module_tops(self) -> Mapping[str, tuple[Path, ...]]:
