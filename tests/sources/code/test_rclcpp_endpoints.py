@@ -1,7 +1,7 @@
 """What rclcpp's nodes publish, subscribe, serve and call, and the libraries around it."""
 
 import pytest
-from ros2_runs import cpp, implied, names, one, python, run_text, written
+from ros2_runs import UNLAUNCHED, cpp, implied, names, one, python, run_text, written
 
 from rtron.vocabulary import Durability, QoS, Reliability
 
@@ -210,6 +210,31 @@ EVERY = {
 def test_what_every_node_declares_is_marked():
     assert implied(cpp("")) == EVERY
     assert implied(python("pass")) == EVERY - {"subscribe /parameter_events"}
+
+
+PARAMETERS = sorted(name for name in EVERY if "parameter" in name and name.startswith("service"))
+LEVELS = {f"service /other/{name}_logger_levels" for name in ("get", "set")}
+
+
+@pytest.mark.parametrize("on", [True, False])
+def test_the_services_of_loggers_are_there_where_they_are_asked_for(on):
+    options = f"rclcpp::NodeOptions().enable_logger_service({str(on).lower()})"
+    found = implied(cpp(f'rclcpp::Node n("other", {options});', **UNLAUNCHED))
+    assert {name for name in found if "logger" in name} == (LEVELS if on else set())
+    found = implied(python(f"Node('other', enable_logger_service={on})", **UNLAUNCHED))
+    assert {name for name in found if "logger" in name} == (LEVELS if on else set())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "node"),
+    [("this", "/ns/n"), ('this, ""', "/ns/n"), ('this, "far"', "/ns/far"), ('this, "/a"', "/a")],
+)
+@pytest.mark.parametrize("kind", ["Async", "Sync"])
+def test_a_client_of_parameters_calls_the_services_of_a_node_or_its_own(kind, arguments, node):
+    found = implied(cpp(f"rclcpp::{kind}ParametersClient c({arguments});")) - EVERY
+    assert sorted(found) == [
+        name.replace("service /ns/n", f"service_client {node}") for name in PARAMETERS
+    ]
 
 
 @pytest.mark.parametrize(

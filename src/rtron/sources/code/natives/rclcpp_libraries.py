@@ -117,10 +117,11 @@ def _camera_info_manager(machine: Machine, arguments: Arguments) -> Value:
 
 
 def _parameters_client(machine: Machine, arguments: Arguments) -> Value:
-    """`AsyncParametersClient(node, remote)` calls the parameter services of another node."""
+    """`AsyncParametersClient(node, remote)` calls the parameter services of a node, or its own."""
     node, rest = owned(_NONE, arguments)
     remote = rest.get(0)
-    for name, type in ros2_endpoints.PARAMETER_SERVICES.items() if node and remote else ():
+    remote = Known("~") if remote in (None, Known("")) else remote
+    for name, type in ros2_endpoints.PARAMETER_SERVICES.items() if node else ():
         kind, full = DeclarationKind.SERVICE_CLIENT, concat((remote, Known(f"/{name}")))  # type: ignore[arg-type]
         ros2_endpoints.declare(machine, kind, node, full, type, arguments, implicit=True)  # type: ignore[arg-type]
     return Instance(_LIBRARY, {"truth": TRUE})

@@ -45,20 +45,26 @@ _UNKNOWN = Hole("?")
 _ARGUMENTS, _GLOBALLY, _GIVEN = "options.arguments", "options.globally", "options.overrides"
 _OPTIONS = "node.options"
 _SERVICES, _AUTOMATIC = "options.services", "options.automatic"
-_ROSOUT, _EVENTS = "options.rosout", "options.events"
+_ROSOUT, _EVENTS, _LOGGERS = "options.rosout", "options.events", "options.loggers"
 _FLAGS = {
     "use_global_arguments": _GLOBALLY,
     "start_parameter_services": _SERVICES,
     "automatically_declare_parameters_from_overrides": _AUTOMATIC,
     "enable_rosout": _ROSOUT,
     "start_parameter_event_publisher": _EVENTS,
+    "enable_logger_service": _LOGGERS,
 }
 _DEFAULTS: Mapping[object, Value] = {
     **dict.fromkeys((_GLOBALLY, _SERVICES, _ROSOUT, _EVENTS), TRUE),
-    _AUTOMATIC: FALSE,
+    **dict.fromkeys((_AUTOMATIC, _LOGGERS), FALSE),
 }
 _EXTRA = {"forward_global_arguments": _GLOBALLY, **_FLAGS}
-_ASKED = {"parameter_services": _SERVICES, "rosout": _ROSOUT, "parameter_events": _EVENTS}
+_ASKED = {
+    "parameter_services": _SERVICES,
+    "rosout": _ROSOUT,
+    "parameter_events": _EVENTS,
+    "logger_service": _LOGGERS,
+}
 
 
 def make_options(_: Machine, arguments: Arguments) -> Instance:
@@ -245,7 +251,6 @@ OPTIONS = NativeClass(
                 *("allow_undeclared_parameters", "use_intra_process_comms", "context", "clock_qos"),
                 "use_clock_thread",
                 *("parameter_event_qos", "rosout_qos", "enable_topic_statistics", "allocator"),
-                "enable_logger_service",
             ),
             _itself,
         ),

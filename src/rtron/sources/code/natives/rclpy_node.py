@@ -43,11 +43,12 @@ from rtron.sources.declaration import DeclarationKind
 _UNKNOWN = Hole("?")
 _MODULE_PARTS = 3
 _ASKED = {
-    "parameter_services": "start_parameter_services",
-    "rosout": "enable_rosout",
-    "parameter_events": "parameter_events",
+    "parameter_services": ("start_parameter_services", TRUE),
+    "rosout": ("enable_rosout", TRUE),
+    "parameter_events": ("parameter_events", TRUE),
+    "logger_service": ("enable_logger_service", FALSE),
 }
-"""The arguments that tell whether a node has these; events it always has."""
+"""The arguments that tell whether a node has these, and their defaults; events it always has."""
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
@@ -92,7 +93,8 @@ def initialise(
         machine.trail.set(owner.fields, field, value)
 
     def asked(option: str) -> bool:
-        return option in _ASKED and truth(given.get(_ASKED[option], TRUE)) is not False
+        name, default = _ASKED.get(option, ("", FALSE))
+        return truth(given.get(name, default)) is not False
 
     ros2_endpoints.join_app(machine, owner, words, arguments, asked)
     if lifecycle:

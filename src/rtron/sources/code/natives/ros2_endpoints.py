@@ -49,6 +49,10 @@ LIFECYCLE_SERVICES: Mapping[str, str] = {
     "get_state": "lifecycle_msgs/srv/GetState",
     "get_transition_graph": "lifecycle_msgs/srv/GetAvailableTransitions",
 }
+LOGGER_SERVICES: Mapping[str, str] = {
+    "get_logger_levels": "rcl_interfaces/srv/GetLoggerLevels",
+    "set_logger_levels": "rcl_interfaces/srv/SetLoggerLevels",
+}
 _STATIC_TF = QoS(depth=1, durability=PROFILES["rosout"].durability)
 _TF = QoS(depth=100)
 
@@ -138,6 +142,8 @@ def join_app(
         _implied(machine, _SUBSCRIBE, node, events, event, at, "parameter_events")
     if ask("parameter_services"):
         services(machine, node, PARAMETER_SERVICES, at)
+    if ask("logger_service"):
+        services(machine, node, LOGGER_SERVICES, at)
     description = "type_description_interfaces/srv/GetTypeDescription"
     services(machine, node, {"get_type_description": description}, at)
     tell_overrides(machine, node)
