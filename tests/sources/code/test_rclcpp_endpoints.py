@@ -73,6 +73,42 @@ def test_a_type_may_be_brought_by_using(top):
     assert one(cpp('create_publisher<Bool>("t", 1);', top)).type == "std_msgs/msg/Bool"
 
 
+ADAPTED = """#include <sensor_msgs/msg/image.hpp>
+namespace seen { class Picture {}; }
+template<>
+struct rclcpp::TypeAdapter<seen::Picture, sensor_msgs::msg::Image> {};
+RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE(seen::Picture, sensor_msgs::msg::Image);
+RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE(std::string, std_msgs::msg::String);
+using Adapted = rclcpp::TypeAdapter<std::vector<int>, std_msgs::msg::Int32>;
+using namespace seen;
+"""
+
+
+@pytest.mark.parametrize(
+    ("call", "type"),
+    [
+        ('create_publisher<seen::Picture>("t", 1)', "sensor_msgs/msg/Image"),
+        ('create_publisher<Picture>("t", 1)', "sensor_msgs/msg/Image"),
+        ('create_subscription<std::string>("t", 1, [](auto m) {})', "std_msgs/msg/String"),
+        ('create_publisher<Adapted>("t", 1)', "std_msgs/msg/Int32"),
+        (
+            'create_publisher<rclcpp::TypeAdapter<int, std_msgs::msg::Int8>>("t", 1)',
+            "std_msgs/msg/Int8",
+        ),
+        (
+            'create_publisher<rclcpp::adapt_type<int>::as<std_msgs::msg::Int8>>("t", 1)',
+            "std_msgs/msg/Int8",
+        ),
+        (
+            'create_subscription("t", 1, [](std::unique_ptr<seen::Picture> m) {})',
+            "sensor_msgs/msg/Image",
+        ),
+    ],
+)
+def test_a_type_of_the_program_is_sent_as_its_message(call, type):
+    assert one(cpp(f"{call};", ADAPTED)).type == type
+
+
 BEST, TRANSIENT = Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL
 
 

@@ -7,10 +7,10 @@ from rtron.sources.code.cpp.context import Context, line_of
 from rtron.sources.code.cpp.declarators import declarator
 from rtron.sources.code.cpp.dispatch import declaration, declares, expression, expressions
 from rtron.sources.code.cpp.functions import add_function
-from rtron.sources.code.cpp.predefined import EXPORT
+from rtron.sources.code.cpp.predefined import ADAPTED, EXPORT
 from rtron.sources.code.cpp.types import anonymous, named, spaced, type_of
 from rtron.sources.code.cpp.variables import declared, variable
-from rtron.sources.code.ir import Class, Declare, Evaluate, Stmt, TypeRef
+from rtron.sources.code.ir import Class, Declare, Evaluate, Stmt, TypeRef, adapted_name
 
 _CLASSES = ("class_specifier", "struct_specifier", "union_specifier")
 _TYPE_PARAMETERS = {
@@ -165,6 +165,9 @@ def _alias(context: Context, node: Node, _out: list[Stmt]) -> None:
         return
     if name == EXPORT:
         _export(context, target)
+    elif name == ADAPTED and len(target.args) == 2:  # noqa: PLR2004 - the type and its message
+        custom, message = target.args
+        context.aliases.append((adapted_name(str(custom)), message))
     else:
         context.aliases.append((context.qualified(name), target))
 

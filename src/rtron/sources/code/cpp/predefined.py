@@ -81,6 +81,7 @@ PREDEFINED = """
 #define PLUGINLIB_REGISTER_CLASS(name, type, base) PLUGINLIB_EXPORT_CLASS(type, base)
 #define CLASS_LOADER_REGISTER_CLASS(type, base) PLUGINLIB_EXPORT_CLASS(type, base)
 #define RCLCPP_COMPONENTS_REGISTER_NODE(type) using PLUGINLIB_EXPORT_CLASS = exported<type>;
+#define RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE(t, m) using RCLCPP_ADAPTED = adapted<t, m>;
 #define BT_REGISTER_NODES(name) void BT_RegisterNodesFromPlugin(BT::BehaviorTreeFactory & name)
 #define GZ_REGISTER_MODEL_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::ModelPlugin)
 #define GZ_REGISTER_WORLD_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::WorldPlugin)
@@ -110,3 +111,4 @@ QT_WORDS = """
 """
 
 EXPORT = "PLUGINLIB_EXPORT_CLASS"
+ADAPTED = "RCLCPP_ADAPTED"

@@ -21,6 +21,7 @@ from rtron.sources.code.ir import (
     Class,
     Function,
     TypeRef,
+    adapted_name,
 )
 from rtron.sources.code.natives.messages import FOLDERS, cpp_message, cpp_message_name
 
@@ -31,6 +32,7 @@ POINTERS = frozenset(
     ]
 )
 """What rclcpp's classes call pointers to themselves (rclcpp/macros.hpp)."""
+_OF_MESSAGES = frozenset(["shared_ptr", "unique_ptr", "LoanedMessage"])
 _MAX_BASES = 32
 
 
@@ -184,11 +186,22 @@ class CppTypes:
         if type is None:
             return ""
         resolved = self.resolved(type, Frame(file="", scope=scope, types=types))
+        resolved = self._adapted(resolved, scope)
         name = cpp_message(resolved)
         package, _, plain = name.rpartition("/")
         if name and self.files.has_message(package, plain):
             return name
         return self._opened_message(plain or resolved.name.partition("::")[0]) or name
+
+    def _adapted(self, type: TypeRef, scope: str) -> TypeRef:
+        """Return the message that a type adapter, or a type that has one, is sent as (REP 2007)."""
+        if type.args and type.name.endswith(("rclcpp::TypeAdapter", "rclcpp::adapt_type::as")):
+            return type.args[-1]
+        if type.args and type.name.rpartition("::")[2] in _OF_MESSAGES:
+            return replace(type, args=(self._adapted(type.args[0], scope), *type.args[1:]))
+        definition = self.symbols.class_named(type.name, scope)
+        full = replace(type, name=definition.name) if definition is not None else type
+        return self.symbols.aliases.get(adapted_name(str(full)), type)
 
     def _opened_message(self, plain: str) -> str:
         """Return what `using vector_map_msgs::PointArray` or `using namespace std_msgs` brings."""

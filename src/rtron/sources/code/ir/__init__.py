@@ -52,6 +52,7 @@ from rtron.sources.code.ir.statements import (
 )
 from rtron.sources.code.ir.types import (
     TypeRef,
+    adapted_name,
 )
 from rtron.sources.code.ir.unit import (
     Language,
@@ -102,4 +103,5 @@ __all__ = [
     "Unit",
     "While",
     "Yield",
+    "adapted_name",
 ]
