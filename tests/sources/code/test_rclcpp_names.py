@@ -55,6 +55,43 @@ def test_who_asks_the_graph_for_a_name_does_not_change_it(question):
     assert names(cpp(body)) == ["/ns/x"]
 
 
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        ('printf("%s", topic);', ["/a"]),
+        ('std::fprintf(stderr, "%s", topic.c_str());', ["/a"]),
+        ("if (strlen(topic) > 3) { puts(topic); }", ["/a"]),
+        ("std::remove(topic.begin(), topic.end(), 'x');", ["/a", "/ns/{topic}"]),
+        ("improve(topic);", ["/a", "/ns/{topic}"]),
+    ],
+)
+def test_what_prints_a_text_leaves_it_as_it_is(call, expected):
+    made = "create_publisher<std_msgs::msg::Bool>(topic, 1);"
+    assert names(cpp(f'std::string topic = "/a"; {call} {made}')) == expected
+
+
+PICKED = """#include <rclcpp/rclcpp.hpp>
+static const char * FLAG = "--topic";
+int main(int argc, char ** argv) {
+  rclcpp::init(argc, argv);
+  auto node = std::make_shared<rclcpp::Node>("n");
+  std::string topic("usual");
+  if (rcutils_cli_option_exist(argv, argv + argc, FLAG)) {
+    topic = rcutils_cli_get_option(argv, argv + argc, FLAG);
+  }
+  auto out = node->create_publisher<std_msgs::msg::Bool>(topic, 1);
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("args", "expected"),
+    [((), "/ns/usual"), (("x", "--topic", "own"), "/ns/own"), (("--topics", "b"), "/ns/usual")],
+)
+def test_an_option_of_the_command_line_names_a_topic(args, expected):
+    assert names(run_text(PICKED, args=args)) == [expected]
+
+
 def test_a_sub_node_adds_to_relative_names_alone():
     body = """
     auto sub = create_sub_node("left");

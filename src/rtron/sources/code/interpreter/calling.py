@@ -35,6 +35,14 @@ WRITING = frozenset(
     {"replace", "transform", "reverse", "rotate", "swap", "generate", "fill", "sort", "strcat"}
 )
 """Functions of the standard library that change what they are given."""
+READING = frozenset(
+    [
+        *("printf", "fprintf", "puts", "fputs", "perror", "syslog", "strlen", "strncmp", "strstr"),
+        *("stol", "stoll", "stoul", "stoull", "stof", "strtol", "strtoul", "strtod"),
+        *("fopen", "open", "access", "stat", "opendir", "mkdir", "unlink", "setenv"),
+    ]
+)
+"""Functions of the C and C++ libraries that leave the texts as they are which they are given."""
 JOINING = frozenset({"advertise", "subscribe", "advertiseService", "serviceClient"})
 
 
@@ -108,7 +116,7 @@ def _call_unknown(machine: Machine, called: Value, arguments: Arguments) -> Valu
         machine.escape(value)
     name = called_name(called)
     note_handed(machine, name, arguments)
-    if not name.isupper():
+    if not (name.isupper() or name.removeprefix("std::") in READING):
         _may_write(machine, name.rpartition("::")[2], arguments)
     return Hole(f"{name}()")
 

@@ -29,6 +29,7 @@ from rtron.sources.code.natives.cpp_callables import (
     same,
     system,
 )
+from rtron.sources.code.natives.cpp_command_line import COMMAND_LINE
 from rtron.sources.code.natives.cpp_containers import (
     call_make_pair,
     get_item,
@@ -156,6 +157,7 @@ _PLAIN: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("exit", "_exit", "abort"), end_program),
     **dict.fromkeys(("strcpy", "std::strcpy", "strncpy"), copy_text),
     **dict.fromkeys(_HIDDEN, hidden),
+    **COMMAND_LINE,
     **dict.fromkeys(("getenv", "std::getenv"), getenv),
     **dict.fromkeys(("system", "std::system", "popen"), system),
     "strcmp": compare_texts,
