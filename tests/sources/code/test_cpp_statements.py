@@ -58,7 +58,7 @@ VECTOR = TypeRef("std::vector", (INT,))
         ("const Foo& x(a);", Declare("x", FOO, A, reference=True, line=2)),
         ("auto x = a;", Declare("x", None, A, line=2)),
         ("auto x(a);", Declare("x", None, A, line=2)),
-        ("const auto& x = a;", Declare("x", None, A, reference=True, line=2)),
+        ("const auto& x = a;", Declare("x", None, A, reference=True, line=2, constant=True)),
         ("static int x = 1;", Declare("x", INT, ONE, static=True, line=2)),
         ("unsigned  long x;", Declare("x", TypeRef("unsigned long"), line=2)),
         ("typename T::Foo x;", Declare("x", TypeRef("T::Foo"), line=2)),

@@ -70,6 +70,46 @@ def test_what_prints_a_text_leaves_it_as_it_is(call, expected):
     assert names(cpp(f'std::string topic = "/a"; {call} {made}')) == expected
 
 
+MAKING = "{}topic) {{ improve(topic); create_publisher<std_msgs::msg::Bool>(topic, 1); }}"
+
+
+@pytest.mark.parametrize(
+    ("parameter", "fixed"),
+    [
+        ("const std::string & ", True),
+        ("const std::string ", True),
+        ("std::string const & ", True),
+        ("const char * ", True),
+        ("std::string ", False),
+        ("std::string & ", False),
+    ],
+)
+def test_what_is_constant_stays_as_it_is_whoever_is_given_it(parameter, fixed):
+    expected = ["/a"] if fixed else ["/a", "/ns/{topic}"]
+    members = f"void make({MAKING.format(parameter)}"
+    assert names(cpp('std::string topic = "/a"; make(topic);', members=members)) == expected
+    lambda_ = f"auto make = [this]({MAKING.format(parameter)};"
+    assert names(cpp(f'{lambda_} std::string topic = "/a"; make(topic);')) == expected
+
+
+@pytest.mark.parametrize(
+    ("declared", "fixed"),
+    [
+        ("const std::string", True),
+        ("static const char *", True),
+        ("constexpr auto", True),
+        ("std::string", False),
+    ],
+)
+def test_a_constant_variable_stays_as_it_is_whoever_is_given_it(declared, fixed):
+    expected = ["/a"] if fixed else ["/a", "/ns/{T}"]
+    made = "improve(T); create_publisher<std_msgs::msg::Bool>(T, 1);"
+    assert names(cpp(f'{declared} T = "/a"; {made}')) == expected
+    assert names(cpp(made, f'{declared} T = "/a";')) == expected
+    later = f"std::thread t([&]() {{ {made} }});"
+    assert names(cpp(f'{declared} T = "/a"; {later}')) == expected
+
+
 PICKED = """#include <rclcpp/rclcpp.hpp>
 static const char * FLAG = "--topic";
 int main(int argc, char ** argv) {

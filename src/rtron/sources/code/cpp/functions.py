@@ -121,6 +121,7 @@ def _param(context: Context, node: Node) -> Param:
         expression(context, default) if default else None,
         "star" if node.type == "variadic_parameter_declaration" else "plain",
         reference=(found.reference or found.pointer) and not constant,
+        constant=constant,
     )
 
 

@@ -25,6 +25,7 @@ from rtron.sources.code.ir import (
 )
 
 _BUILT_IN = {"primitive_type", "sized_type_specifier", "placeholder_type_specifier"}
+_CONSTANT = (b"const", b"constexpr")
 _EXPRESSIVE = {None, "abstract_function_declarator", "abstract_array_declarator"}
 
 
@@ -63,6 +64,7 @@ def variable(context: Context, node: Node, one: Declared, name: str) -> Declare:
         pointer=found.pointer,
         static=has_word(context, node, "storage_class_specifier", b"static"),
         line=line_of(one.node),
+        constant=any(has_word(context, node, "type_qualifier", word) for word in _CONSTANT),
     )
 
 

@@ -167,9 +167,10 @@ def _arguments(machine: Machine, node: Call, frame: Frame) -> Arguments:
 
 
 def _place(machine: Machine, node: Expr, frame: Frame) -> Place | None:
-    """Return where an argument is kept; `s.begin()` and `&s[0]` lead to s."""
+    """Return where an argument is kept that may be written to; `s.begin()`, `&s[0]` lead to s."""
     if isinstance(node, Name):
-        return machine.world.place(node.id, frame)
+        fixed = machine.world.is_constant(node.id, frame)
+        return None if fixed else machine.world.place(node.id, frame)
     if isinstance(node, Call) and isinstance(node.function, Attr):
         inner = node.function.owner if node.function.name in {"begin", "end"} else None
         return place_of(machine, inner, frame) if inner is not None else None

@@ -41,6 +41,7 @@ class CppCalls(CppTypes):
             scope=getattr(outer, "scope", "") or function.name.rpartition("::")[0],
             types=self.bound_types(called, passed),
             caller=arguments,
+            constants={param.name for param in function.params if param.constant},
         )
 
         def default(node: Expr) -> Value:

@@ -91,6 +91,16 @@ class CppWorld(CppObjects):
                         return Place(self._globals, candidate)
         return Place(frame.variables, name)
 
+    def is_constant(self, name: str, frame: Frame) -> bool:
+        """Tell whether a name is of a constant: whoever is given it cannot change it."""
+        if name in frame.aliases or name in frame.variables:
+            return name in frame.constants
+        if frame.closure is not None and self._in_closure(name, frame.closure):
+            return self.is_constant(name, frame.closure)
+        found = self.place(name, frame)
+        variable = self.symbols.variables.get(found.key) if found.holder is self._globals else None
+        return variable is not None and variable[0].constant
+
     def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         """Return a member, bound to its owner; through an iterator, of what it points at."""
         if isinstance(owner, Instance):
@@ -108,6 +118,7 @@ class CppWorld(CppObjects):
 
     def declare(self, node: Declare, frame: Frame) -> None:
         """Make a local variable."""
+        (frame.constants.add if node.constant else frame.constants.discard)(node.name)
         if (node.reference or node.pointer) and node.value is not None:
             place = place_of(self.machine, node.value, frame)
             if place is not None and _may_alias(node, place.holder.get(place.key)):
@@ -121,6 +132,7 @@ class CppWorld(CppObjects):
         if not node.copies and not node.captures:
             return frame
         made = replace(frame, variables={}, aliases={}, closure=frame, returns=[], yields=[])
+        made.constants = set(frame.constants)
         for name in node.copies:
             if self._in_closure(name, frame):
                 made.variables[name] = container_copied(self.lookup(Name(name), frame))

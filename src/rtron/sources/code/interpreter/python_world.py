@@ -60,6 +60,11 @@ class PythonWorld(PythonObjects):
             return Place(around.variables, name)
         return Place(frame.variables, name)
 
+    def is_constant(self, name: str, frame: Frame) -> bool:
+        """Python has no constants."""
+        del name, frame
+        return False
+
     def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         """Return a member, bound to its owner."""
         del types

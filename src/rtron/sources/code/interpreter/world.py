@@ -37,6 +37,10 @@ class World(Protocol):
         """Return where a name is kept when it is assigned to."""
         ...
 
+    def is_constant(self, name: str, frame: Frame) -> bool:
+        """Tell whether a name is of a constant: whoever is given it cannot change it."""
+        ...
+
     def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         """Return a member of a value, bound to it; None where it has none of that name."""
         ...

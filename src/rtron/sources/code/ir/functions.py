@@ -11,7 +11,7 @@ class Param:
     """A parameter; `kind` is "plain", "star" (`*args`), "stars" (`**kwargs`) or "keyword" (only).
 
     `reference` marks a C++ `T&` or `T*` that is not const: what the function writes reaches the
-    caller.
+    caller. `constant` marks one that is.
     """
 
     name: str
@@ -19,6 +19,7 @@ class Param:
     default: Expr | None = None
     kind: str = "plain"
     reference: bool = False
+    constant: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)

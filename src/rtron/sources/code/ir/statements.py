@@ -35,7 +35,8 @@ class Declare:
     """A C++ variable or data member: local, of a class, or of a namespace.
 
     `type` is None for `auto`. `value` is None without an initialiser; `T x(a, b)`, `T x{a}` have
-    a New, `T x = e` has e. `reference` marks `T& x = e`, whose writes reach e.
+    a New, `T x = e` has e. `reference` marks `T& x = e`, whose writes reach e; `constant` marks
+    `const` and `constexpr`.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Declare:
     pointer: bool = False
     static: bool = False
     line: int = 0
+    constant: bool = False
 
 
 @record(frozen=True, slots=True)
