@@ -140,7 +140,8 @@ def _beside(dotted: str, importer: Path) -> Path | None:
     folder = importer.parents[min(level, len(importer.parents)) - 1]
     names = [name for name in dotted.split(".") if name]
     base = folder.joinpath(*names)
-    for path in (*([base.with_suffix(".py")] if names else ()), base / "__init__.py"):
+    files = [base / "__init__.py"]
+    for path in [base.with_suffix(".py"), *files] if names else files:
         if path.is_file():
             return path
     return None

@@ -122,7 +122,7 @@ def _parameters_client(machine: Machine, arguments: Arguments) -> Value:
     remote = rest.get(0)
     remote = Known("~") if remote in (None, Known("")) else remote
     for name, type in ros2_endpoints.PARAMETER_SERVICES.items() if node else ():
-        kind, full = DeclarationKind.SERVICE_CLIENT, concat((remote, Known(f"/{name}")))  # type: ignore[arg-type]
+        kind, full = DeclarationKind.SERVICE_CLIENT, concat((remote, Known(f"/{name}")))
         ros2_endpoints.declare(machine, kind, node, full, type, arguments, implicit=True)  # type: ignore[arg-type]
     return Instance(_LIBRARY, {"truth": TRUE})
 
