@@ -58,6 +58,7 @@ NODES = [
     "rosbridge_server/rosbridge_websocket",
     "rplidar_ros/rplidar_node",
     "rviz2/rviz2",
+    "sllidar_ros2/sllidar_node",
     "slam_toolbox/async_slam_toolbox_node",
     "slam_toolbox/lifelong_slam_toolbox_node",
     "slam_toolbox/localization_slam_toolbox_node",
