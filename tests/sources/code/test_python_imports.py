@@ -51,3 +51,14 @@ def test_a_module_of_the_own_package_is_imported(tmp_path, imported, used, files
     program = tmp_path / "p" / "p" / "n.py"
     found = run_python(program, site(), WorkspaceFiles(workspace), "main")
     assert written(found) == ["publish /ns/a std_msgs/msg/Bool"]
+
+
+@pytest.mark.parametrize("dots", ["...", "." * 40])
+def test_no_file_outside_of_the_packages_is_imported(tmp_path, dots):
+    (tmp_path / "p" / "p").mkdir(parents=True)
+    program = tmp_path / "p" / "p" / "n.py"
+    program.write_text(MAIN.format(imported=f"from {dots} import stranger", used="stranger.make"))
+    (tmp_path / "stranger.py").write_text(MAKING)
+    workspace = Workspace({"p": tmp_path / "p"}, [tmp_path])
+    found = run_python(program, site(), WorkspaceFiles(workspace), "main")
+    assert not [text for text in written(found) if "std_msgs" in text]

@@ -56,7 +56,8 @@ class WorkspaceFiles:
     def python_module(self, dotted: str, importer: Path) -> Path | None:
         """Return the file of a module; a relative one is looked up beside the importing file."""
         if dotted.startswith("."):
-            return _beside(dotted, importer)
+            found = _beside(dotted, importer)
+            return found if found and self.workspace.package_of(found) else None
         package = self.workspace.package_of(importer) or ""
         return self.workspace.python_module(dotted, package, importer)
 
