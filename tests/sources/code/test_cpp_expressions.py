@@ -126,7 +126,8 @@ def test_expressions(text, value):
 def test_a_lambda_is_a_function_without_a_name():
     value = initial("auto g = [&, a](const Foo& x, int& y) -> int { return y; };")
     assert isinstance(value, Lambda)
-    assert value.function.params == (Param("x", FOO), Param("y", INT, reference=True))
+    x, y = Param("x", FOO, constant=True), Param("y", INT, reference=True)
+    assert value.function.params == (x, y)
     assert (value.function.returns, value.function.name) == (INT, "")
     assert value.function.body == (Return(Name("y"), 2),)
     assert value.copies == ("a",)
