@@ -73,6 +73,33 @@ def test_composed_on_their_own_they_bring_a_container(python, xml):
         assert names(app)[0] == "/ros_gz_container"
 
 
+LEFT = """
+    RosGzBridge(bridge_name='one', config_file='/b.yaml', namespace='a', use_composition='True'),
+    RosGzBridge(bridge_name='two', config_file='/b.yaml'),
+    GzServer(world_sdf_file='w.sdf'),
+    GzSpawnModel(file='/one.sdf'),
+    GzSpawnModel(topic='robot_description'),
+"""
+
+
+def test_one_action_leaves_nothing_to_the_next(python):
+    one, two, *others = python(LEFT, PYTHON).starts
+    assert (one.full_name, one.container) == ("/a/one", "/ros_gz_container")
+    assert (two.full_name, two.container) == ("/two", "")
+    assert [(start.program, told(start)) for start in others] == [
+        ("gzserver", {"world_sdf_file": "w.sdf"}),
+        ("create", {"file": "/one.sdf"}),
+        ("create", {"topic": "robot_description"}),
+    ]
+
+
+@pytest.mark.parametrize("file", ["ros_gz_sim.launch.py", "ros_gz_spawn_model.launch.py"])
+def test_files_that_include_a_bridge_bring_it(python, file):
+    app = python(INCLUDE.format("ros_gz_sim", file))
+    (bridge,) = [start for start in app.starts if start.name == "gate"]
+    assert told(bridge) == {"config_file": "/b.yaml"}
+
+
 @pytest.mark.parametrize(
     ("owner", "file", "program", "parameters"),
     [

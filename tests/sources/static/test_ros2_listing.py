@@ -60,3 +60,11 @@ for one, other in [("x", "y")]:
     DeclareLaunchArgument(one + other)
 DeclareLaunchArgument(part)"""
     assert listed(lines) == ((), ())
+
+
+def test_more_arguments_than_anybody_declares_are_a_fault(tmp_path):
+    names, calls = "'x', " * 9000, "DeclareLaunchArgument(x), " * 9000
+    lines = f"for x in [{names}]:\n    y = [{calls}]"
+    (tmp_path / "app.launch.py").write_text(FILE.format(lines=lines))
+    (found,) = ros2_launches([tmp_path])
+    assert "declares over 2000 arguments" in found.fault

@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import TypeAlias
 
@@ -12,6 +13,7 @@ from rtron.sources.code.python.parsing import parse
 from rtron.sources.code.python.unit import MAX_BYTES
 from rtron.sources.launch.listing import ListedLaunch
 from rtron.sources.launch.packages import package_name
+from rtron.sources.launch2.bounds import MAX_NAMES
 from rtron.sources.launch2.element import parse_elements
 from rtron.sources.launch2.listing import launch_files2
 from rtron.sources.static.generation import generation_of
@@ -35,7 +37,7 @@ def ros2_launches(folders: Iterable[Path]) -> Iterator[ListedLaunch]:
 def _listed(path: Path, package: str) -> ListedLaunch:
     try:
         with deep_recursion():
-            declared = list(_of_python(path) if path.suffix == ".py" else _of_elements(path))
+            declared = _declared_in(path)
     except InputError as error:
         return ListedLaunch(path=path, package=package, fault=str(error))
     except RecursionError:
@@ -48,6 +50,15 @@ def _listed(path: Path, package: str) -> ListedLaunch:
         required=tuple(name for name in names if name not in optional),
         optional=tuple(name for name in names if name in optional),
     )
+
+
+def _declared_in(path: Path) -> list[_Declared]:
+    """Return the arguments of a file; those of a hostile one would fill the memory."""
+    found = _of_python(path) if path.suffix == ".py" else _of_elements(path)
+    declared = list(islice(found, MAX_NAMES))
+    if next(found, None):
+        raise InputError(f"declares over {MAX_NAMES} arguments", path=str(path))
+    return declared
 
 
 def _of_elements(path: Path) -> Iterator[_Declared]:
