@@ -99,6 +99,18 @@ def test_an_include_that_is_not_found_leaves_the_rest(uri, world, models):
     assert [plugin.filename for plugin in found.plugins] == ["a"]
 
 
+@pytest.mark.parametrize("way", ["absolute", "link"])
+def test_what_lies_elsewhere_is_not_read(way, world, models, tmp_path_factory):
+    secret = tmp_path_factory.mktemp("elsewhere") / "model.sdf"
+    secret.write_text(MODEL)
+    (models / "linked.sdf").symlink_to(secret)
+    uri = f"file://{secret}" if way == "absolute" else "model://linked.sdf"
+    found = world(include(uri), packages={"pkg": models.parent})
+    assert found.plugins == ()
+    (note,) = found.unresolved
+    assert "is not in the folders that are read" in note.why
+
+
 def test_what_gazebo_itself_has_is_not_missed(world):
     assert world(include("model://sun") + include("model://ground_plane")).unresolved == ()
 

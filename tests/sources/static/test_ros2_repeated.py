@@ -48,3 +48,14 @@ def test_a_node_whose_name_is_another_each_time_is_not(noted):
 def test_a_node_that_may_start_once_only_is_not(noted):
     unknown = '<let name="both" value="$(command date)"/>'
     assert noted(NODE.format(""), unknown, ' if="$(var both)"') == []
+
+
+def test_a_node_that_names_itself_at_random_is_not(noted):
+    frames = 'pkg="tf2_ros" exec="static_transform_publisher"'
+    assert noted(f'<node {frames} args="0 0 0 0 0 0 a b"/>') == []
+
+
+def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(noted):
+    joy = '<node pkg="joy_linux" exec="joy_linux_node"{}</node>'
+    assert [what for what, _ in noted(joy.format(">"))] == ["node /joy_node"]
+    assert noted(joy.format('><remap from="joy" to="$(var which)"/>')) == []

@@ -30,6 +30,7 @@ class WorkspaceFiles:
     definitions: tuple[str, ...] = ()
     _sources: dict[str, Mapping[str, tuple[Path, ...]]] = field(default_factory=dict)
     _texts: Texts = field(default_factory=Texts)
+    _folders: tuple[Path, ...] = ()
     _units: dict[tuple[Path, Language, tuple[str, ...]], Unit] = field(default_factory=dict)
 
     def defining(self, definitions: tuple[str, ...]) -> "WorkspaceFiles":
@@ -72,8 +73,9 @@ class WorkspaceFiles:
 
     def lies_in(self, path: Path) -> bool:
         """Tell whether a path exists and lies in a package, links followed."""
-        folders = tuple(folder.resolve() for folder in self.workspace.packages.values())
-        return is_inside(path, folders)
+        if not self._folders:
+            self._folders = tuple(each.resolve() for each in self.workspace.packages.values())
+        return is_inside(path, self._folders)
 
     def text(self, path: Path) -> str | None:
         """Return a data file that lies in a package, links followed."""

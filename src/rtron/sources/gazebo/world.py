@@ -10,6 +10,7 @@ from rtron.folders import is_there
 from rtron.sources.gazebo.plugin import GazeboPlugin, PluginScope, Surrounding, read_plugin
 from rtron.sources.gazebo.sdf import read_sdf
 from rtron.sources.launch.packages import PackageIndex
+from rtron.sources.workspace.files import is_inside
 from rtron.sources.xacro import XmlElement
 from rtron.vocabulary import Evidence, Unresolved
 
@@ -34,10 +35,13 @@ def read_world(
 ) -> World:
     """Return the plugins of a `.world` or `.sdf` file and of the models it includes.
 
-    `model://` is looked for in GAZEBO_MODEL_PATH, then in the packages' `models` folders. Raise
+    `model://` is looked for in GAZEBO_MODEL_PATH, then in the packages' `models` folders. What lies
+    neither in those, nor in a package, nor below the file's own folder is not read. Raise
     InputError if the file itself is no XML; an include that fails is in `unresolved`.
     """
-    reading = _Reading(folders=model_folders(packages, environ))
+    folders = model_folders(packages, environ)
+    around = (*folders, *map(Path, packages.values()), path.parent)
+    reading = _Reading(folders=folders, around=tuple(each.resolve() for each in around))
     try:
         plugins = tuple(reading.below(read_sdf(path), Surrounding(), (str(path),)))
     except RecursionError:
@@ -55,6 +59,7 @@ def model_folders(packages: PackageIndex, environ: Mapping[str, str]) -> tuple[P
 @dataclass(slots=True, kw_only=True)
 class _Reading:
     folders: tuple[Path, ...]
+    around: tuple[Path, ...]
     included: int = 0
     unresolved: list[Unresolved] = field(default_factory=list)
     _roots: dict[str, XmlElement] = field(default_factory=dict)
@@ -99,6 +104,8 @@ class _Reading:
             help = "add its folder to GAZEBO_MODEL_PATH"
             raise InputError(f"'{uri}' is not found", help=help)
         path = _model_file(path) if path.is_dir() else path
+        if not is_inside(path, self.around):
+            raise InputError("is not in the folders that are read", path=str(path))
         if str(path) in files:
             raise InputError("includes itself", path=str(path))
         return path

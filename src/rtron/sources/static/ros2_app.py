@@ -56,13 +56,13 @@ def scan_ros2_app(
     made = _made(read)
     with closing(_interpreting(workspace, chosen, models)) as interpreting:
         parts = list(interpreting.parts(nodes))
+        assembly.note(*repeated(parts))
         parts += gazebo.nodes.parts(parts)
         parts += gazebo.parts(started.servers)
         controllers = list(ControllerNodes(models, files).parts(parts))
         own = interpreting.finished([part for part in controllers if part.task])
         for part in (*parts, *(part for part in controllers if not part.task), *own):
             assembly.add(with_known(part, files, made))
-    assembly.note(*repeated(nodes))
     assembly.note(*(note for launch in read for note in launch.unresolved))
     assembly.note(*started.notes.unresolved, *gazebo.notes.unresolved)
     return assembly.graph(Path(read[0].file).name.split(".")[0] if read else "")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.declaration import NodeSite
-from rtron.sources.gazebo import World, read_world
+from rtron.sources.gazebo import GazeboPlugin, World, read_world
 from rtron.sources.launch2.installed import Installed
 from rtron.sources.launch2.result import Start
 from rtron.sources.models import PluginElement, plugin_interface
@@ -22,6 +22,7 @@ from rtron.sources.static.part import Part
 from rtron.sources.static.ros2_hooks import hooked_folders
 from rtron.sources.static.ros2_simulation import PACKAGE, SIMULATED, GazeboNodes
 from rtron.sources.workspace.files import is_regular
+from rtron.vocabulary import Evidence
 
 _SERVERS = frozenset({"gzserver", "gazebo"})
 _SYSTEM = ("-s", "--server-plugin")
@@ -31,6 +32,7 @@ _VALUED = (
 )
 _OWN = f"{{find-pkg-share {PACKAGE}}}/worlds/empty.world"
 """The world of gazebo_ros that its launch file has by default, without a plugin."""
+_MOST_SERVERS = 16
 _MODELS, _RESOURCES = "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH"
 
 
@@ -70,27 +72,33 @@ class GazeboServers:
 
     def parts(self, servers: Iterable[AppNode]) -> Iterator[Part]:
         """Yield a part for each plugin."""
-        for server in servers:
+        for number, server in enumerate(servers):
+            if number == _MOST_SERVERS:
+                self.notes.add("Gazebo", f"only {_MOST_SERVERS} servers are read", server.evidence)
+                return
             yield from self._system(server)
-            plugins = self._world(server).plugins
-            known = [p for p in plugins if self.nodes.models.gazebo_plugin(p.filename)]
-            for plugin in plugins:
-                if plugin not in known:
-                    self._unmodelled(plugin.filename, server)
+            known = list(self._known(self._world(server).plugins))
             yield from self.nodes.loaded(known, Part(node=server, owner=server.name))
+
+    def _known(self, plugins: Iterable[GazeboPlugin]) -> Iterator[GazeboPlugin]:
+        for plugin in plugins:
+            if self.nodes.models.gazebo_plugin(plugin.filename):
+                yield plugin
+            else:
+                self._unmodelled(plugin.filename, plugin.evidence)
 
     def _system(self, server: AppNode) -> Iterator[Part]:
         for filename in _system_plugins(own_arguments(server.site.args)):
             model = self.nodes.models.gazebo_plugin(filename)
             if model is None:
-                self._unmodelled(filename, server)
+                self._unmodelled(filename, server.evidence)
                 continue
             element = PluginElement(filename=filename)
             found = plugin_interface(model, server.site, element, self.nodes.models)
             yield Part(node=server, owner=server.name, model=model, interface=found)
 
-    def _unmodelled(self, filename: str, server: AppNode) -> None:
-        self.notes.add(f"Gazebo plugin {filename}", "no model of it", server.evidence)
+    def _unmodelled(self, filename: str, place: Evidence) -> None:
+        self.notes.add(f"Gazebo plugin {filename}", "no model of it", place)
 
     def _world(self, server: AppNode) -> World:
         named = [word for word in positional(server.site.args, _VALUED) if word.strip()]
@@ -120,7 +128,7 @@ class GazeboServers:
         files, own = self.nodes.files, self.environ.get(variable, "").split(":")
         hooked = map(str, hooked_folders(variable, files))
         given = dict(server.site.environ).get(variable, "").split(":")
-        folders = filter(None, (*given, *hooked))
+        folders = dict.fromkeys(filter(None, (*given, *hooked)))
         return [one for one in folders if one in own or files.lies_in(Path(one))]
 
 

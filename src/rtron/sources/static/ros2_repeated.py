@@ -3,22 +3,29 @@
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator
 
-from rtron.sources.static.node import AppNode
+from rtron.sources.static.part import Part
 from rtron.vocabulary import Unresolved
 
 
-def repeated(nodes: Iterable[AppNode]) -> Iterator[Unresolved]:
+def repeated(parts: Iterable[Part]) -> Iterator[Unresolved]:
     """Yield a note for each node that certainly starts more than once."""
-    alike: dict[Hashable, list[AppNode]] = defaultdict(list)
-    for node in nodes:
-        if not node.doubtful and "{" not in node.name:
-            alike[_identity(node)].append(node)
+    alike: dict[Hashable, list[Part]] = defaultdict(list)
+    for part in parts:
+        if not part.node.doubtful and "{" not in _name(part):
+            alike[_identity(part)].append(part)
     for first, *others in alike.values():
         if others:
             why = f"started {len(others) + 1} times; they all run, and nothing tells them apart"
-            yield Unresolved(what=f"node {first.name}", why=why, evidence=(first.evidence,))
+            place = first.node.evidence
+            yield Unresolved(what=f"node {_name(first)}", why=why, evidence=(place,))
 
 
-def _identity(node: AppNode) -> Hashable:
+def _name(part: Part) -> str:
+    """Return what a node calls itself, or is called by the launch."""
+    return next((made.name for made in part.interface.nodes), part.node.name)
+
+
+def _identity(part: Part) -> Hashable:
     """Return what is alike; a node that is not named may take its name from its arguments."""
-    return node.name, node.evidence, () if node.site.named else node.site.args
+    node, site = part.node, part.node.site
+    return _name(part), node.evidence, node.rules, () if site.named else site.args
