@@ -10,7 +10,7 @@ PYTHON = """from launch import LaunchDescription
 from launch.actions import ExecuteProcess
 from launch.substitutions import FindExecutable, LaunchConfiguration
 def generate_launch_description():
-    return LaunchDescription([ExecuteProcess(cmd={cmd}, shell=True)])
+    return LaunchDescription([ExecuteProcess(cmd={cmd}, shell={shell})])
 """
 
 
@@ -20,9 +20,9 @@ def started(tmp_path):
     (tmp_path / "package.xml").write_text("<package><name>app</name></package>")
     launch = tmp_path / "app.launch.py"
 
-    def scan(*words):
+    def scan(*words, shell=True):
         written = [word if word.startswith("[") else repr(word) for word in words]
-        launch.write_text(PYTHON.format(cmd=f"[{', '.join(written)}]"))
+        launch.write_text(PYTHON.format(cmd=f"[{', '.join(written)}]", shell=shell))
         return scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
 
     return scan
@@ -98,6 +98,68 @@ def test_each_command_of_a_shell_counts(started):
     assert {node.name for node in graph.nodes} == {"/talker", "/_ros2cli_requester_std_srvs_Empty"}
     whats = [note.what for note in graph.unresolved]
     assert whats == ["node /talker (demo/talker)", "process tee log"]
+
+
+SCRIPTS = {
+    "ros2 run a b; ros2 run c d": ["/b", "/d"],
+    "ros2 run a b;ros2 run c d&": ["/b", "/d"],
+    "echo hi; ros2 run a b": ["/b"],
+    "cd /x\nros2 run a b # one; ros2 run x y\n# two\nros2 run c d \\\n  -r __ns:=/n": [
+        "/b",
+        "/n/d",
+    ],
+    "source /opt/s.bash; ros2 run a b": ["/b"],
+    "ros2 run a b > log.txt 2>&1; ros2 run c d </dev/null &>x": ["/b", "/d"],
+    "(ros2 run a b) || ros2 run c d 'x;y' \"&& ros2 run e f\"": ["/b", "/d"],
+    "bash -c 'sleep 1;sh -c \"ros2 run a b\"'|ros2 run c d": ["/b", "/d"],
+}
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+@pytest.mark.parametrize("by_shell", [True, False])
+def test_where_commands_of_a_shell_end(started, script, by_shell):
+    graph = started(script) if by_shell else started("bash", "-ec", script, shell=False)
+    assert [node.name for node in graph.nodes] == SCRIPTS[script]
+    whats = [note.what for note in graph.unresolved]
+    programs = {"/b": "a/b", "/d": "c/d", "/n/d": "c/d"}
+    assert whats == [f"node {name} ({programs[name]})" for name in SCRIPTS[script]]
+
+
+def test_what_a_shell_gives_to_a_node_are_its_words_alone(started):
+    line = "ros2 topic pub /a std_msgs/msg/String 'data: a;b#c' > log 2>&1; sleep 1"
+    (sent,) = started(line).publishers("/a")
+    assert sent.type == "std_msgs/msg/String"
+    whole = '["sleep 5; ros2 topic pub /", LaunchConfiguration("a;b"), "; ros2 run a b"]'
+    graph = started(whole)
+    assert [e.topic for e in graph.endpoints if not e.implicit] == ["/{a;b}"]
+
+
+def test_without_a_shell_no_word_separates(started):
+    words = ["echo", "x", "&&", "ros2", "run", "a", "b", ";", "ros2", "topic", "pub"]
+    assert not started(*words, shell=False).nodes
+    (note,) = started("gz", *words, shell=False).unresolved
+    assert note.what == "process gz echo"
+
+
+def test_a_script_in_a_file_has_options_of_its_own(started):
+    (note,) = started("bash", "script.sh", "-c", "ros2 run a b", shell=False).unresolved
+    assert note.what == "process bash script.sh"
+    (node,) = started("bash", "-o", "pipefail", "-c", "ros2 run a b", shell=False).nodes
+    assert node.name == "/b"
+
+
+@pytest.mark.parametrize(
+    ("line", "what"),
+    [
+        ("echo $(ros2 run a b)", "process echo $(ros2 run a b)"),
+        ('echo "`ros2 run a b`"', "process echo `ros2 run a b`"),
+        ("cat <<EOF | sh\nros2 run a b\nEOF", "process << EOF"),
+    ],
+)
+def test_what_runs_inside_a_word_is_noted(started, line, what):
+    graph = started(line)
+    assert not graph.nodes
+    assert what in [note.what for note in graph.unresolved]
 
 
 @pytest.mark.parametrize("line", ["ros2 topic list", "ros2 doctor", "ros2", "bash -c", "firefox x"])

@@ -15,15 +15,9 @@ from rtron.sources.launch2.place import Place, evidence_of
 from rtron.sources.launch2.result import Argument, Start, StartKind
 from rtron.sources.launch2.run import as_run
 from rtron.sources.launch2.scope import Scope, canonical
+from rtron.sources.launch2.shell import commands
 from rtron.sources.launch2.surroundings import Surroundings
-from rtron.sources.launch2.words import (
-    RUN,
-    remaps_in,
-    run_node,
-    special,
-    split_pieces,
-    split_words,
-)
+from rtron.sources.launch2.words import is_run, remaps_in, run_node, special, split_pieces
 from rtron.vocabulary.remap_rules import UNKNOWN
 
 SHARED = frozenset({"set_parameter", "set_parameters_from_file"})
@@ -75,10 +69,13 @@ class Starts(Surroundings):
                 scope.doubtful = doubtful
 
     def executable(self, element: Element, scope: Scope, place: Place) -> None:
-        """Take a process; `ros2 run` starts a node. A shell takes its words apart again."""
+        """Take a process, or each command of one that a shell runs; `ros2 run` starts a node."""
         words = self._words(as_run(element), "cmd", scope, place)
-        if len(words) == 1 or element.plain("shell").lower() == "true":
-            words = tuple(split_words(" ".join(words)))
+        for command in commands(words, shell=element.plain("shell").lower() == "true"):
+            self.evaluator.bounds.node(place.path)
+            self.starts.append(self._command(command, element, scope, place))
+
+    def _command(self, words: Sequence[str], element: Element, scope: Scope, place: Place) -> Start:
         given = Given(self.evaluator, scope, place)
         found = Start(
             kind=StartKind.PROCESS,
@@ -87,10 +84,7 @@ class Starts(Surroundings):
             doubtful=scope.doubtful,
             **self.surroundings(element, place),
         )
-        self.evaluator.bounds.node(place.path)
-        if words[: len(RUN)] == RUN:
-            found = _with(run_node(found), given.in_words(words, element))
-        self.starts.append(found)
+        return _with(run_node(found), given.in_words(words, element)) if is_run(words) else found
 
     def unknown(self, element: Element, place: Place) -> None:
         """Note an action of a kind that is not known."""

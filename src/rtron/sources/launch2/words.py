@@ -4,6 +4,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import PurePath
 
 from rtron.sources.launch2.parameter_file import yaml_value
 from rtron.sources.launch2.parameters import ALL, ParameterSource
@@ -71,6 +72,11 @@ def parameters_in(words: Sequence[str], place: Evidence) -> Iterator[ParameterSo
         if word in _PARAMETER and given:
             parameter = Parameter(value=yaml_value(text), evidence=place)
             yield ParameterSource(entries=((ALL, {name: parameter}),))
+
+
+def is_run(words: Sequence[str]) -> bool:
+    """Tell whether a command is `ros2 run`."""
+    return len(words) > 1 and (PurePath(words[0]).name, words[1]) == RUN
 
 
 def run_node(process: Start) -> Start:

@@ -1,27 +1,18 @@
-"""What processes of a launch run beside programs: commands of a shell, and verbs of `ros2`.
+"""What processes of a launch join beside programs: verbs of `ros2`.
 
-docs.ros.org: launch, ExecuteProcess; the README files of ros2cli.
+The README files of ros2cli.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import groupby
 from pathlib import Path
 
 from rtron.sources.launch2.result import Start, StartKind
-from rtron.sources.launch2.words import (
-    RUN,
-    parameters_in,
-    remaps_in,
-    run_node,
-    special,
-    split_words,
-)
+from rtron.sources.launch2.words import remaps_in, special
 
-SILENT = frozenset({"gzclient", "sleep", "echo", "true", "cd", "source", ".", "export", "wait"})
+_SILENT = frozenset({"gzclient", "sleep", "echo", "true", "cd", "source", ".", "export", "wait"})
 """Commands that join nothing; Gazebo's client draws the world."""
-_SHELLS = frozenset({"bash", "sh", "dash", "zsh"})
-_BETWEEN = frozenset({"&&", "||", ";", "|", "&"})
+_ROS2 = "ros2"
 _VERBS: Mapping[str, frozenset[str]] = {
     "topic": frozenset({"pub", "echo", "hz", "bw", "delay"}),
     "service": frozenset({"call"}),
@@ -30,35 +21,18 @@ _VERBS: Mapping[str, frozenset[str]] = {
 }
 
 
-def commands(process: Start) -> Iterator[Start]:
-    """Yield a process for each command of a shell's line; another process as it is."""
-    for is_between, group in groupby(process.arguments, _BETWEEN.__contains__):
-        words = tuple(group)
-        script = _script(words)
-        if script:
-            yield from commands(replace(process, arguments=script))
-        elif not is_between:
-            yield replace(process, arguments=words)
-
-
-def _script(words: Sequence[str]) -> tuple[str, ...]:
-    """Return the words of the script that a shell is given (`bash -c SCRIPT`); none for another."""
-    if Path(words[0]).name not in _SHELLS:
-        return ()
-    flag = next((at for at, word in enumerate(words) if _takes_script(word)), len(words))
-    return tuple(split_words("".join(words[flag + 1 : flag + 2])))
+def is_silent(command: Sequence[str]) -> bool:
+    """Tell whether a command joins nothing; one that runs others in its words may."""
+    runs_others = any("`" in word or "$(" in word for word in command)
+    return not runs_others and Path("".join(command[:1])).name in {"", *_SILENT}
 
 
 def joining(process: Start) -> Start | None:
-    """Return the node that a command is: of `ros2 run`, or of a verb; None for another one."""
-    program, *words = process.arguments or ("",)
-    if Path(program).name != RUN[0]:
+    """Return the node that a verb of `ros2` is; None for another command."""
+    program, kind, verb, *words = (*process.arguments, "", "", "")
+    if Path(program).name != _ROS2 or verb not in _VERBS.get(kind, ()):
         return None
-    if words[:1] == [RUN[1]]:
-        node = run_node(process)
-        return replace(node, sources=tuple(parameters_in(node.arguments, node.evidence)))
-    kind, verb, *rest = (*words, "", "")
-    return _verb(process, kind, verb, rest[:-2]) if verb in _VERBS.get(kind, ()) else None
+    return _verb(process, kind, verb, words[:-3])
 
 
 def _verb(process: Start, kind: str, verb: str, words: Sequence[str]) -> Start:
@@ -67,7 +41,7 @@ def _verb(process: Start, kind: str, verb: str, words: Sequence[str]) -> Start:
     return replace(
         process,
         kind=StartKind.NODE,
-        package=f"{RUN[0]}{kind}",
+        package=f"{_ROS2}{kind}",
         program=verb,
         arguments=tuple(words),
         name=special(words, "__node"),
@@ -75,7 +49,3 @@ def _verb(process: Start, kind: str, verb: str, words: Sequence[str]) -> Start:
         remaps=remaps,
         shared=len(remaps),
     )
-
-
-def _takes_script(word: str) -> bool:
-    return word.startswith("-") and not word.startswith("--") and word.endswith("c")

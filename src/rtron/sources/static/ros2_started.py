@@ -14,7 +14,7 @@ from rtron.sources.launch2.result import Start, StartKind
 from rtron.sources.static.node import AppNode
 from rtron.sources.static.notes import Notes
 from rtron.sources.static.ros2_gazebo import gazebo_server
-from rtron.sources.static.ros2_processes import SILENT, commands, joining
+from rtron.sources.static.ros2_processes import is_silent, joining
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import UNKNOWN
 
@@ -45,16 +45,15 @@ class StartedNodes:
                 yield self._node(start)
 
     def _process(self, process: Start) -> Iterator[AppNode]:
-        for command in commands(process):
-            server, node = gazebo_server(command, self.environ), joining(command)
-            words = command.arguments
-            if server is not None:
-                self.servers.append(server)
-            elif node is not None:
-                yield self._node(node)
-            elif Path(words[0]).name not in SILENT:
-                what = f"process {' '.join(words[:2])}"
-                self.notes.add(what, "what it runs is not looked into", process.evidence)
+        server, node = gazebo_server(process, self.environ), joining(process)
+        words = process.arguments
+        if server is not None:
+            self.servers.append(server)
+        elif node is not None:
+            yield self._node(node)
+        elif not is_silent(words):
+            what = f"process {' '.join(words[:2])}"
+            self.notes.add(what, "what it runs is not looked into", process.evidence)
 
     def _node(self, start: Start) -> AppNode:
         site = NodeSite(

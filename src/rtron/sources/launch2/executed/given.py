@@ -51,7 +51,7 @@ class Given:
         """Yield the parameters, file by file and value by value."""
         for word, value in pairwise(words):
             name, given, text = value.partition(":=")
-            if word == "-p" and given:
+            if word in {"-p", "--param"} and given:
                 yield self._source({name: yaml_value(self.marks.text(text))})
             elif word == "--params-file":
                 yield self._file(value)

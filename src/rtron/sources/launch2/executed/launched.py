@@ -1,23 +1,18 @@
 """What a visit found as an AppLaunch: the same that reading the launch file makes."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtron.sources.launch2.executed.given import Given
 from rtron.sources.launch2.executed.marks import Marks
 from rtron.sources.launch2.executed.report import Component, Declared, Place, Process, Report
+from rtron.sources.launch2.parameters import ParameterSource
 from rtron.sources.launch2.pieces import shown
 from rtron.sources.launch2.result import AppLaunch, Argument, Included, Start, StartKind
 from rtron.sources.launch2.scope import canonical
-from rtron.sources.launch2.words import (
-    RUN,
-    parameters_in,
-    remaps_in,
-    run_node,
-    special,
-    split_words,
-)
+from rtron.sources.launch2.shell import commands
+from rtron.sources.launch2.words import is_run, parameters_in, remaps_in, run_node, special
 from rtron.vocabulary import Evidence, Unresolved
 
 
@@ -31,7 +26,7 @@ class Launched:
 
     def launch(self) -> AppLaunch:
         """Return what the launch file starts."""
-        starts = tuple(map(self._start, self.report.starts))
+        starts = tuple(start for one in self.report.starts for start in self._starts(one))
         notes = tuple(self._notes())
         return AppLaunch(
             file=self.marks.file,
@@ -41,10 +36,13 @@ class Launched:
             unresolved=(*self.marks.evaluator.unresolved, *notes),
         )
 
-    def _start(self, one: Process | Component) -> Start:
+    def _starts(self, one: Process | Component) -> Iterator[Start]:
         if isinstance(one, Component):
-            return self._component(one)
-        return self._process(one) if one.kind == "process" else self._node(one)
+            yield self._component(one)
+        elif one.kind == "process":
+            yield from self._processes(one)
+        else:
+            yield self._node(one)
 
     def _node(self, one: Process) -> Start:
         given = self._given(one.place)
@@ -69,18 +67,20 @@ class Launched:
             executed=True,
         )
 
-    def _process(self, one: Process) -> Start:
-        words = self._words(one)
-        words = tuple(split_words(words[0])) if len(words) == 1 else words
-        found = Start(
-            kind=StartKind.PROCESS,
-            arguments=words,
-            environ=self._environ(one),
-            event=one.event,
-            evidence=self._evidence(one.place),
-            executed=True,
-        )
-        return run_node(found) if words[: len(RUN)] == RUN else found
+    def _processes(self, one: Process) -> Iterator[Start]:
+        """Yield a process, or each command of one that a shell runs."""
+        given = self._given(one.place)
+        for words in commands(one.words, shell=one.shell):
+            self.marks.evaluator.bounds.node(self.marks.file)
+            found = Start(
+                kind=StartKind.PROCESS,
+                arguments=tuple(map(self._text, words)),
+                environ=self._environ(one),
+                event=one.event,
+                evidence=given.place,
+                executed=True,
+            )
+            yield _node_of(found, given.sources(words)) if is_run(words) else found
 
     def _component(self, one: Component) -> Start:
         given = self._given(one.place)
@@ -137,3 +137,7 @@ class Launched:
 
     def _text(self, text: str) -> str:
         return shown(self.marks.text(text))
+
+
+def _node_of(process: Start, sources: Iterator[ParameterSource]) -> Start:
+    return replace(run_node(process), sources=tuple(sources))

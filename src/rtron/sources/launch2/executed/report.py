@@ -49,6 +49,7 @@ class Process(_Start):
     kind: Literal["process", "node", "lifecycle_node", "container"]
     words: Words
     added: Words = ()
+    shell: bool = False
     environ: Annotated[dict[Text, Text], Field(max_length=MAX_NAMES)]
 
 

@@ -42,12 +42,17 @@ class ExecuteLocal(Action):
         self.__cmd = [normalize(word) for word in cmd]
         self.__prefix = [] if prefix is None else prefix.split()
         self.__name, self.__on_exit = name, on_exit
+        self.__shell = shell
         self.__env, self.__more = env, additional_env or {}
         self.__details = None
 
     @property
     def cmd(self):
         return self.__details["cmd"] if self.__details else self.__cmd
+
+    @property
+    def shell(self):
+        return self.__shell
 
     @property
     def process_details(self):

@@ -58,7 +58,8 @@ class Recording:
         before = len(command) - len(action.process_description.cmd)
         own = self._node(action, context, command[before:]) if isinstance(action, Node) else {}
         started = {"kind": "process", "words": list(command[before:]), "environ": changed}
-        self._keep({**started, **own, "shared": shared}, action, context)
+        said = {"shell": action.shell is True, "shared": shared}
+        self._keep({**started, **own, **said}, action, context)
         return result
 
     def _node(self, action: Thing, context: Thing, command: list[str]) -> Values:
