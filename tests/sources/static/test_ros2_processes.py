@@ -162,6 +162,25 @@ def test_what_runs_inside_a_word_is_noted(started, line, what):
     assert what in [note.what for note in graph.unresolved]
 
 
+@pytest.mark.parametrize(
+    ("options", "qos"),
+    [
+        ("--qos-profile sensor_data", QoS(depth=5, reliability=Reliability.BEST_EFFORT)),
+        ("--qos-profile sensor_data --qos-reliability reliable --qos-depth 7", QoS(depth=7)),
+        (
+            "--qos-profile=action_status_default",
+            QoS(depth=1, durability=Durability.TRANSIENT_LOCAL),
+        ),
+        ("--qos-profile action_status_default --qos-durability volatile", QoS(depth=1)),
+        ("--qos-profile parameters", QoS(depth=1000)),
+        ("--qos-profile another --qos-depth 3", None),
+    ],
+)
+def test_a_message_is_published_by_a_profile(started, options, qos):
+    (sent,) = started(f"ros2 topic pub /a std_msgs/msg/Bool {options}").publishers("/a")
+    assert sent.qos == qos
+
+
 @pytest.mark.parametrize("line", ["ros2 topic list", "ros2 doctor", "ros2", "bash -c", "firefox x"])
 def test_another_process_is_noted(started, line):
     (note,) = started(*line.split()).unresolved
