@@ -173,6 +173,11 @@ def test_what_runs_inside_a_word_is_noted(started, line, what):
         ),
         ("--qos-profile action_status_default --qos-durability volatile", QoS(depth=1)),
         ("--qos-profile parameters", QoS(depth=1000)),
+        ("--qos-profile system_default", QoS()),
+        (
+            "--qos-profile system_default --qos-durability transient_local",
+            QoS(depth=1, durability=Durability.TRANSIENT_LOCAL),
+        ),
         ("--qos-profile another --qos-depth 3", None),
     ],
 )
