@@ -79,9 +79,12 @@ MAKING = "{}topic) {{ improve(topic); create_publisher<std_msgs::msg::Bool>(topi
         ("const std::string & ", True),
         ("const std::string ", True),
         ("std::string const & ", True),
-        ("const char * ", True),
+        ("const char * const ", True),
+        ("const char * const & ", True),
         ("std::string ", False),
         ("std::string & ", False),
+        ("const char * ", False),
+        ("const char *& ", False),
     ],
 )
 def test_what_is_constant_stays_as_it_is_whoever_is_given_it(parameter, fixed):
@@ -96,9 +99,11 @@ def test_what_is_constant_stays_as_it_is_whoever_is_given_it(parameter, fixed):
     ("declared", "fixed"),
     [
         ("const std::string", True),
-        ("static const char *", True),
+        ("static const char * const", True),
+        ("constexpr const char *", True),
         ("constexpr auto", True),
         ("std::string", False),
+        ("static const char *", False),
     ],
 )
 def test_a_constant_variable_stays_as_it_is_whoever_is_given_it(declared, fixed):
@@ -108,6 +113,37 @@ def test_a_constant_variable_stays_as_it_is_whoever_is_given_it(declared, fixed)
     assert names(cpp(made, f'{declared} T = "/a";')) == expected
     later = f"std::thread t([&]() {{ {made} }});"
     assert names(cpp(f'{declared} T = "/a"; {later}')) == expected
+
+
+GIVEN = "improve(T); create_publisher<std_msgs::msg::Bool>(T, 1);"
+
+
+@pytest.mark.parametrize(
+    ("body", "top", "members"),
+    [
+        (f'std::string T("a"); {{ const std::string T("b"); }} {GIVEN}', "", ""),
+        (f'{{ const std::string T("b"); }} std::string T("a"); {GIVEN}', "", ""),
+        (f'{{ const std::string T("b"); }} {GIVEN}', 'std::string T("a");', ""),
+        (f'{{ const std::string T("b"); }} {GIVEN}', "", 'std::string T = "a";'),
+        (f'std::string T("a"); [&]() {{ {{ const std::string T("b"); }} {GIVEN} }}();', "", ""),
+        (f'for (std::string T : {{"a", "b"}}) {{ {GIVEN} }}', 'const std::string T("b");', ""),
+        (f'{{ const std::string T("b"); }} for (std::string T : {{"a"}}) {{ {GIVEN} }}', "", ""),
+        (f'{{ const int T = 1; }} auto [T, n] = std::make_pair("a", 1); {GIVEN}', "", ""),
+    ],
+)
+def test_a_constant_says_nothing_of_another_variable_of_its_name(body, top, members):
+    assert "/ns/{T}" in names(cpp(body, top, members))
+
+
+def test_a_variable_that_hides_a_constant_leaves_it_as_it_is():
+    hiding = 'auto f = [&]() { for (std::string T : {"a", "b"}) {} }; f();'
+    body = f'const std::string T("c"); {hiding} {GIVEN}'
+    assert names(cpp(body)) == ["/ns/c"]
+
+
+def test_constants_of_one_name_in_several_blocks_stay_as_they_are():
+    body = f'{{ const std::string T("a"); {GIVEN} }} {{ const std::string T("b"); {GIVEN} }}'
+    assert names(cpp(body, 'const std::string T("c");')) == ["/ns/a", "/ns/b"]
 
 
 PICKED = """#include <rclcpp/rclcpp.hpp>

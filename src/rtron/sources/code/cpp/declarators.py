@@ -28,13 +28,15 @@ _REFERENCES = {"reference_declarator", "abstract_reference_declarator"}
 class Declarator:
     """A declared name (None where it is abstract) and what it is made of.
 
-    `function` is the node with the parameters where a function is declared.
+    `function` is the node with the parameters where a function is declared. `fixed` marks a
+    pointer that always points at the same, `* const`.
     """
 
     name: Node | None = None
     value: Node | None = None
     function: Node | None = None
     pointer: bool = False
+    fixed: bool = False
     reference: bool = False
     sizes: tuple[Node | None, ...] = ()
 
@@ -59,6 +61,7 @@ def declarator(node: Node | None) -> Declarator:
             found.function = node
         elif kind in _POINTERS:
             found.pointer = True
+            found.fixed = any(child.text == b"const" for child in node.named_children)
             found.function = None
         elif kind in _REFERENCES:
             found.reference = True
@@ -104,3 +107,15 @@ def has_word(context: Context, node: Node, kind: str, word: bytes) -> bool:
         child.type == kind and context.source[child.start_byte : child.end_byte] == word
         for child in node.named_children
     )
+
+
+def is_constant(context: Context, node: Node, found: Declarator) -> bool:
+    """Return whether a declared name always has the same value.
+
+    Of a pointer the text that it points at is its value, so both have to be constant.
+    """
+    const = has_word(context, node, "type_qualifier", b"const")
+    constexpr = has_word(context, node, "type_qualifier", b"constexpr")
+    if found.pointer:
+        return const and (found.fixed or constexpr)
+    return const or (constexpr and not found.reference)

@@ -4,7 +4,13 @@ from tree_sitter import Node
 
 from rtron.sources.code.cpp.captures import captured
 from rtron.sources.code.cpp.context import Context, line_of
-from rtron.sources.code.cpp.declarators import Declarator, declarator, has_word, kinds_of
+from rtron.sources.code.cpp.declarators import (
+    Declarator,
+    declarator,
+    has_word,
+    is_constant,
+    kinds_of,
+)
 from rtron.sources.code.cpp.dispatch import block, declares, expression, lowers, statement, states
 from rtron.sources.code.cpp.expressions import arguments
 from rtron.sources.code.cpp.types import named, type_of
@@ -114,14 +120,14 @@ def params(context: Context, node: Node | None) -> tuple[Param, ...]:
 def _param(context: Context, node: Node) -> Param:
     found = declarator(node.child_by_field_name("declarator"))
     default = node.child_by_field_name("default_value")
-    constant = has_word(context, node, "type_qualifier", b"const")
+    const = has_word(context, node, "type_qualifier", b"const")
     return Param(
         named(context, found.name)[0],
         found.typed(context, type_of(context, node.child_by_field_name("type"))),
         expression(context, default) if default else None,
         "star" if node.type == "variadic_parameter_declaration" else "plain",
-        reference=(found.reference or found.pointer) and not constant,
-        constant=constant,
+        reference=(found.reference or found.pointer) and not const,
+        constant=is_constant(context, node, found) and not found.sizes,
     )
 
 

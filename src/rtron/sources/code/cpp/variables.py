@@ -6,7 +6,13 @@ from dataclasses import dataclass
 from tree_sitter import Node
 
 from rtron.sources.code.cpp.context import Context, line_of
-from rtron.sources.code.cpp.declarators import Declarator, declarator, fields_of, has_word
+from rtron.sources.code.cpp.declarators import (
+    Declarator,
+    declarator,
+    fields_of,
+    has_word,
+    is_constant,
+)
 from rtron.sources.code.cpp.dispatch import expression
 from rtron.sources.code.cpp.expressions import arguments
 from rtron.sources.code.cpp.types import named, type_of
@@ -25,7 +31,6 @@ from rtron.sources.code.ir import (
 )
 
 _BUILT_IN = {"primitive_type", "sized_type_specifier", "placeholder_type_specifier"}
-_CONSTANT = (b"const", b"constexpr")
 _EXPRESSIVE = {None, "abstract_function_declarator", "abstract_array_declarator"}
 
 
@@ -64,7 +69,7 @@ def variable(context: Context, node: Node, one: Declared, name: str) -> Declare:
         pointer=found.pointer,
         static=has_word(context, node, "storage_class_specifier", b"static"),
         line=line_of(one.node),
-        constant=any(has_word(context, node, "type_qualifier", word) for word in _CONSTANT),
+        constant=is_constant(context, node, found),
     )
 
 

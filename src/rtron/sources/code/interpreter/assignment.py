@@ -29,7 +29,7 @@ from rtron.sources.code.ir import Attr, Expr, Index, Name, Sequence, Star
 def assign(machine: Machine, target: Expr, value: Value, frame: Frame) -> None:
     """Write a value to what an expression names; what cannot be written to is left."""
     if isinstance(target, Name):
-        place = machine.world.place(target.id, frame)
+        place = _assigned(machine, target.id, frame)
         if not written(machine, place.holder.get(place.key), value):
             machine.trail.set(*place, value)
     elif isinstance(target, Sequence):
@@ -41,6 +41,15 @@ def assign(machine: Machine, target: Expr, value: Value, frame: Frame) -> None:
         _assign_member(machine, target, value, frame)
     elif isinstance(target, Index):
         _assign_element(machine, target, value, frame)
+
+
+def _assigned(machine: Machine, name: str, frame: Frame) -> Place:
+    """Return where a name is kept that is written to: what hides a constant is another variable."""
+    if machine.world.is_constant(name, frame):
+        frame.constants[name] = False
+        frame.aliases.pop(name, None)
+        return Place(frame.variables, name)
+    return machine.world.place(name, frame)
 
 
 def place_of(machine: Machine, node: Expr, frame: Frame) -> Place | None:

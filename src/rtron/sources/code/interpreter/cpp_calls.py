@@ -41,7 +41,7 @@ class CppCalls(CppTypes):
             scope=getattr(outer, "scope", "") or function.name.rpartition("::")[0],
             types=self.bound_types(called, passed),
             caller=arguments,
-            constants={param.name for param in function.params if param.constant},
+            constants={param.name: param.constant for param in function.params},
         )
 
         def default(node: Expr) -> Value:

@@ -93,8 +93,8 @@ class CppWorld(CppObjects):
 
     def is_constant(self, name: str, frame: Frame) -> bool:
         """Tell whether a name is of a constant: whoever is given it cannot change it."""
-        if name in frame.aliases or name in frame.variables:
-            return name in frame.constants
+        if name in frame.constants or name in frame.aliases or name in frame.variables:
+            return frame.constants.get(name, False)
         if frame.closure is not None and self._in_closure(name, frame.closure):
             return self.is_constant(name, frame.closure)
         found = self.place(name, frame)
@@ -118,7 +118,7 @@ class CppWorld(CppObjects):
 
     def declare(self, node: Declare, frame: Frame) -> None:
         """Make a local variable."""
-        (frame.constants.add if node.constant else frame.constants.discard)(node.name)
+        frame.constants[node.name] = node.constant and self._may_be_constant(node.name, frame)
         if (node.reference or node.pointer) and node.value is not None:
             place = place_of(self.machine, node.value, frame)
             if place is not None and _may_alias(node, place.holder.get(place.key)):
@@ -127,12 +127,19 @@ class CppWorld(CppObjects):
         frame.aliases.pop(node.name, None)
         self.machine.trail.set(frame.variables, node.name, self.initial(node, frame))
 
+    def _may_be_constant(self, name: str, frame: Frame) -> bool:
+        """Tell whether no variable that may change has the name already: blocks share a frame."""
+        if self.is_constant(name, frame):
+            return True
+        holder, key = self.place(name, frame)
+        return name not in frame.constants and holder is frame.variables and key not in holder
+
     def around(self, node: Lambda, frame: Frame) -> Frame:
         """Return the frame around a lambda: what it takes by copy stays as it is now."""
         if not node.copies and not node.captures:
             return frame
         made = replace(frame, variables={}, aliases={}, closure=frame, returns=[], yields=[])
-        made.constants = set(frame.constants)
+        made.constants = dict(frame.constants)
         for name in node.copies:
             if self._in_closure(name, frame):
                 made.variables[name] = container_copied(self.lookup(Name(name), frame))

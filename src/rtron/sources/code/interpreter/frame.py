@@ -20,9 +20,9 @@ class Frame:
     """One call of a function, or the top of a file.
 
     `closure` is the frame around a Python function. `aliases` are C++ references: names that
-    stand for a place of the caller; `constants` are the names of what nobody may write to. `types`
-    binds template parameters. `scope` is the C++ namespace or class that the code is written in.
-    `caller` is the call that led here.
+    stand for a place of the caller; `constants` tells of C++ names whether nobody may write to
+    any of the variables that have it in this function. `types` binds template parameters. `scope`
+    is the C++ namespace or class that the code is written in. `caller` is the call that led here.
     """
 
     file: str
@@ -35,7 +35,7 @@ class Frame:
     scope: str = ""
     types: Mapping[str, TypeRef] = field(default_factory=dict)
     aliases: dict[str, Place] = field(default_factory=dict)
-    constants: set[str] = field(default_factory=set)
+    constants: dict[str, bool] = field(default_factory=dict)
     returns: list[Value] = field(default_factory=list)
     yields: list[Value] = field(default_factory=list)
     caller: Any = None

@@ -11,7 +11,7 @@ class Param:
     """A parameter; `kind` is "plain", "star" (`*args`), "stars" (`**kwargs`) or "keyword" (only).
 
     `reference` marks a C++ `T&` or `T*` that is not const: what the function writes reaches the
-    caller. `constant` marks one that is.
+    caller. `constant` marks one whose value nobody can change.
     """
 
     name: str

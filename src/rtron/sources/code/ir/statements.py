@@ -36,7 +36,7 @@ class Declare:
 
     `type` is None for `auto`. `value` is None without an initialiser; `T x(a, b)`, `T x{a}` have
     a New, `T x = e` has e. `reference` marks `T& x = e`, whose writes reach e; `constant` marks
-    `const` and `constexpr`.
+    one whose value nobody can change (`const`, `constexpr`).
     """
 
     name: str
