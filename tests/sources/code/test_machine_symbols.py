@@ -1,5 +1,6 @@
 """C++ names, overloads and the binding of parameters."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from rtron.sources.code.interpreter.items import items_of
 from rtron.sources.code.interpreter.overloads import choose
 from rtron.sources.code.interpreter.symbols import MAX_FILES, Symbols
 from rtron.sources.code.interpreter.values import FALSE, Hole, Instance, Known, NativeClass
-from rtron.sources.code.ir import Class, Const, Function, Language, Param, TypeRef, Unit
+from rtron.sources.code.ir import Class, Const, Declare, Function, Language, Param, TypeRef, Unit
 
 FRAME = Frame(file="f.cpp")
 
@@ -92,6 +93,18 @@ def test_stars_may_be_empty():
 
 def test_a_keyword_only_parameter_is_not_bound_by_place():
     assert bound("*args !k=1", passed(7, 8))["k"] == 1
+
+
+@pytest.mark.parametrize("other", [True, False])
+def test_a_name_is_constant_where_it_is_in_every_file(other):
+    first = Declare("T", None, Const("a"), constant=True)
+    second = Declare("T", None, Const("b"), constant=other)
+    symbols = loaded(a={"body": (first,)}, b={"body": (second,)})
+    symbols.load(Path("b"))
+    assert symbols.variables["T"] == (Declare("T", None, Const("a"), constant=other), "a")
+    symbols = loaded(b={"body": (replace(second, value=None),)}, a={"body": (first,)})
+    symbols.load(Path("a"))
+    assert symbols.variables["T"] == (Declare("T", None, Const("a"), constant=other), "a")
 
 
 def overload(*types, defaults=0, body=()):

@@ -1,7 +1,7 @@
 """Names of rclcpp's nodes and of what they declare (docs.ros.org: names, namespaces)."""
 
 import pytest
-from ros2_runs import UNLAUNCHED, cpp, names, run_text, written
+from ros2_runs import CPP, UNLAUNCHED, cpp, names, run_text, written
 
 from rtron.sources.declaration import Loading
 
@@ -116,6 +116,23 @@ def test_a_constant_variable_stays_as_it_is_whoever_is_given_it(declared, fixed)
 
 
 GIVEN = "improve(T); create_publisher<std_msgs::msg::Bool>(T, 1);"
+
+
+@pytest.mark.parametrize(
+    ("declared", "inherited", "fixed"),
+    [
+        ("const std::string", "", True),
+        ("const std::string", "const std::string T;", True),
+        ("const std::string", "std::string T;", False),
+        ("std::string", "", False),
+        ("const char *", "", False),
+    ],
+)
+def test_a_constant_member_stays_as_it_is_whoever_is_given_it(declared, inherited, fixed):
+    top = f"struct Base {{ {inherited} }};"
+    text = CPP.format(top=top, body=GIVEN, members=f'{declared} T = "/a";')
+    found = run_text(text.replace("class N : public", "class N : public Base, public"))
+    assert names(found) == (["/a"] if fixed else ["/a", "/ns/{T}"])
 
 
 @pytest.mark.parametrize(

@@ -91,6 +91,12 @@ class CppTypes:
             if isinstance(current, ClassValue):
                 queue.extend(current.bases)
 
+    def has_constant(self, name: str, cls: Value) -> bool:
+        """Tell whether the data members that a class and its bases have of a name are constant."""
+        lineage = [one.definition for one in self.lineage(cls) if isinstance(one, ClassValue)]
+        found = [member for one in lineage for member in one.fields if member.name == name]
+        return bool(found) and all(member.constant for member in found)
+
     def class_of(self, type: TypeRef, frame: Frame) -> ClassValue | NativeClass | None:
         """Return the class that a type means, scanned or native."""
         resolved = self.resolved(type, frame)

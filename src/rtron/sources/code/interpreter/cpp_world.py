@@ -98,6 +98,8 @@ class CppWorld(CppObjects):
         if frame.closure is not None and self._in_closure(name, frame.closure):
             return self.is_constant(name, frame.closure)
         found = self.place(name, frame)
+        if isinstance(frame.this, Instance) and found.holder is frame.this.fields:
+            return self.has_constant(name, frame.this.type)
         variable = self.symbols.variables.get(found.key) if found.holder is self._globals else None
         return variable is not None and variable[0].constant
 

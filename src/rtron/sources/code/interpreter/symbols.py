@@ -253,6 +253,8 @@ class Symbols:
 
     def _take_variable(self, declared: Declare, file: str) -> None:
         self._ends.add(declared.name.rpartition("::")[2])
-        known = self.variables.get(declared.name)
-        if known is None or known[0].value is None:
-            self.variables[declared.name] = (declared, file)
+        known, first = self.variables.get(declared.name, (declared, file))
+        constant = known.constant and declared.constant
+        if known.value is None:
+            known, first = declared, file
+        self.variables[declared.name] = (replace(known, constant=constant), first)
