@@ -37,8 +37,8 @@ coverage: setup ## Check that the tests go through every branch of the policies,
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
 test: lint coverage test-ros2 ## Run lint, coverage and every test; what fails beside others, once more alone
-	$(BIN)/pytest -m "not ros2" $(BESIDE) --ignore=tests/demos/test_demo_ros1.py || $(BIN)/pytest $(FAILED)
-	$(BIN)/pytest tests/demos/test_demo_ros1.py
+	$(BIN)/pytest -m "not ros2" $(BESIDE) --ignore=tests/demos/ros1/test_demo_ros1.py || $(BIN)/pytest $(FAILED)
+	$(BIN)/pytest tests/demos/ros1/test_demo_ros1.py
 
 test-ros2: setup ## Run the tests on a real ROS 2
 	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS) $(BESIDE) || \

@@ -9,31 +9,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from bench import (
-    actions,
-    audit,
-    audit_cost,
-    chain,
-    churn,
-    discovery,
-    faults,
-    hop,
-    ingest,
-    link,
-    load,
-    memory,
-    policies,
-    replay,
-    ros2_audit,
-    ros2_discovery,
-    ros2_hop,
-    rules,
-    silence,
-    supervisor,
-    violations,
-)
+from bench import chain, load
+from bench.common import discovery, policies, replay, rules, violations
+from bench.common.testbed import ROOT, Site, site
 from bench.part import Part
-from bench.site import ROOT, Site, site
+from bench.ros1 import actions, audit, audit_cost, churn, hop, memory, silence, supervisor
+from bench.ros2 import audit, discovery, hop
+from bench.service import faults, ingest, link
 from figures.figure import Figure
 from figures.table import number, table, write
 
@@ -58,9 +40,9 @@ PARTS: dict[str, Part] = {
     "faults": faults.figures,
 }
 ROS2_PARTS: dict[str, Part] = {
-    "ros2_discovery": ros2_discovery.figures,
-    "ros2_hop": ros2_hop.figures,
-    "ros2_audit": ros2_audit.figures,
+    "ros2_discovery": discovery.figures,
+    "ros2_hop": hop.figures,
+    "ros2_audit": audit.figures,
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
 HERE = ROS2_PARTS if find_spec("rclpy") else PARTS

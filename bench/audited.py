@@ -8,13 +8,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from bench.plans import SUBSCRIBER, grcn
-from bench.site import Site, complaints, python, running
-from bench.way import PUBLISHER
+from bench.common.plans import SUBSCRIBER, grcn
+from bench.common.testbed import Site, complaints, python, running
+from bench.ros1.routes import PUBLISHER
 from rtron.errors import RTronError
-from rtron.planning.write import write_plan
+from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import Plan, output_topic
-from rtron.wire.xmlrpc import ros_call
+from rtron.wire.ros1.xmlrpc import ros_call
 
 TOPIC = "/cmd_vel"
 OUT = output_topic(TOPIC)
@@ -30,7 +30,7 @@ def audited(here: Site, number: int, *, audit: bool) -> Iterator[subprocess.Pope
     path = here.folder / "audited.yaml"
     path.write_text(write_plan(Plan(app="bench", grcn=(node,))), encoding="utf-8")
     with ExitStack() as stack:
-        words = python("bench.bare", str(path), *(["--audit"] if audit else []))
+        words = python("bench.ros1.guard_process", str(path), *(["--audit"] if audit else []))
         guard = stack.enter_context(running(here, words))
         for name in names:
             relay = [_RELAY, OUT, f"{name}_heard", f"__name:={name[1:]}"]

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 
-from bench.hop import RATE
+from bench.common.latency import median, p99, typical_p99
+from bench.common.pubsub import Load, interleave
+from bench.common.testbed import Site
+from bench.common.workload import HOP_MESSAGES, RUNS
 from bench.part import Say
-from bench.pubsub import Load, interleave
-from bench.quantiles import median, p99, typical_p99
-from bench.settings import HOP_MESSAGES, RUNS
-from bench.site import Site
-from bench.way import direct, relay, ten
+from bench.ros1.hop import RATE
+from bench.ros1.routes import direct, relay, ten
 from figures.figure import Figure
 
 _AT_MOST = 0.25

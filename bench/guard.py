@@ -4,7 +4,7 @@ from contextlib import suppress
 
 from rtron.errors import RTronError
 from rtron.vocabulary import GUARD_NODE
-from rtron.wire.xmlrpc import ros_call
+from rtron.wire.ros1.xmlrpc import ros_call
 
 _TIMEOUT_S = 2.0
 

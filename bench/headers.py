@@ -2,7 +2,7 @@
 
 import socket
 
-from rtron.wire.tcpros import LENGTH, MAX_HEADER, decode_header, frame_length
+from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, frame_length
 
 HANDSHAKE_S = 10.0
 

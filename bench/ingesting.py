@@ -10,10 +10,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from rtron.service.api.models import Scope
-from rtron.service.app import create_app
 from rtron.service.config import Config
-from rtron.service.serve import serve
+from rtron.service.domain.schemas import Scope
+from rtron.service.server.app import create_app
+from rtron.service.server.http import serve
 from rtron.service.store.accounts.tokens import TokenWish, create_token
 from rtron.service.store.database import Database
 

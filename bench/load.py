@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 
+from bench.common.latency import p99
+from bench.common.plans import grcn
+from bench.common.pubsub import Load, Run, run
+from bench.common.testbed import Site
+from bench.common.workload import LOAD_SECONDS
 from bench.part import Say
-from bench.plans import grcn
-from bench.pubsub import Load, Run, run
-from bench.quantiles import p99
-from bench.settings import LOAD_SECONDS
-from bench.site import Site
-from bench.way import PUBLISHER, Way, guard, relay, relays_beside
+from bench.ros1.routes import PUBLISHER, Way, guard, relay, relays_beside
 from figures.figure import Figure
 
 FLOWS = 20

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
-from bench.site import Site
+from bench.common.testbed import Site
 from figures.figure import Figure
 
 Say = Callable[[str], None]

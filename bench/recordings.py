@@ -10,7 +10,7 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
-from bench.plans import TWIST, grcn
+from bench.common.plans import TWIST, grcn
 from rtron.vocabulary import RSRCN, SECOND, GuardedTopic, Mode, Plan, PolicyName
 
 TOPIC = "/cmd_vel"

@@ -1,13 +1,13 @@
 """The process that hosts ten coordination nodes on one stream: `python -m bench.ten`."""
 
-from bench.plans import grcn
-from bench.way import PUBLISHER
-from rtron.guard.host import Host
-from rtron.guard.loop import Loop
-from rtron.guard.run import run_host
-from rtron.guard.transport.ros1.transport import Ros1Transport
+from bench.common.plans import grcn
+from bench.ros1.routes import PUBLISHER
+from rtron.guard.core.coordinator import Host
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.runner import run_host
+from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import CoordinationKind, Mode, PolicySettings, Stage, Stream
-from rtron.wire.address import master_uri
+from rtron.wire.ros1.host_address import master_uri
 
 STAGES = 10
 

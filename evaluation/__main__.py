@@ -8,21 +8,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from evaluation import (
-    autorace,
-    autoware,
-    calls,
-    demos,
-    functions,
-    launch2,
-    launches,
-    nav2,
-    universe,
-)
+from evaluation.common import demos, functions
+from evaluation.common.datasets import AbsentError, Place, place
 from evaluation.part import Part, Tell
-from evaluation.place import AbsentError, Place, place
+from evaluation.ros1 import autorace, autoware, calls, launch_files
+from evaluation.ros1.systems import part
+from evaluation.ros2 import autoware_universe, launch_files, navigation2
 from evaluation.subjects import AUTORALLY, TURTLEBOT
-from evaluation.systems import part
 from figures.figure import Figure
 from figures.table import table, write
 
@@ -32,10 +24,10 @@ PARTS: dict[str, Part] = {
     "autorace": autorace.figures,
     "autoware": autoware.figures,
     "calls": calls.figures,
-    "launches": launches.figures,
-    "launch2": launch2.figures,
-    "nav2": nav2.figures,
-    "universe": universe.figures,
+    "launches": launch_files.figures,
+    "launch2": launch_files.figures,
+    "nav2": navigation2.figures,
+    "universe": autoware_universe.figures,
     "functions": functions.figures,
     "demos": demos.figures,
 }

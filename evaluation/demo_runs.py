@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from rtron.demos.measuring.run import Run, Variant
-from rtron.demos.running.adapting import Adaptation
+from rtron.demos.experiment.adaptation import Adaptation
+from rtron.demos.metrics.case_run import Run, Variant
 
 _HEAD = """\
 # The case studies, run by run

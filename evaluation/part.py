@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from evaluation.place import Place
+from evaluation.common.datasets import Place
 from figures.figure import Figure
 
 

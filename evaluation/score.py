@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from evaluation.pairs import KINDS, Architecture, Pairs, with_actions, without_ignored
+from evaluation.ros1.architecture import KINDS, Architecture, Pairs, with_actions, without_ignored
 
 
 @dataclass(frozen=True, slots=True)

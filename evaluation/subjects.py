@@ -10,7 +10,7 @@ ones with the same names; joystick_drivers is not among AutoRally's, because the
 
 from collections.abc import Mapping
 
-from evaluation.app import App
+from evaluation.ros1.app import App
 
 AUTORALLY = App(
     name="autorally",

@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 
 from rtron.policies import POLICIES, Policy
-from rtron.policies.machine import Named, Table
+from rtron.policies.state_machine import Named, Table
 from rtron.vocabulary import PolicyName, PolicySettings
 
 PAGES = Path(__file__).parent.parent / "docs" / "policies"

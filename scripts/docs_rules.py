@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from rtron.risks import RULES, Rule, explain, severity
-from rtron.risks.list_file import TABLES, WORD_LISTS
+from rtron.risks.list_parser import TABLES, WORD_LISTS
 
 PAGES = Path(__file__).parent.parent / "docs" / "rules"
 

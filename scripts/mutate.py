@@ -19,7 +19,7 @@ from types import ModuleType
 import pytest
 
 from rtron import policies
-from rtron.policies.machine import Effect
+from rtron.policies.state_machine import Effect
 
 TESTS = Path(__file__).parent.parent / "tests" / "policies"
 OPTIONS = ["-x", "-q", "-p", "no:cacheprovider", "--timeout=0", "--hypothesis-profile=mutation"]

@@ -9,9 +9,9 @@ from tempfile import TemporaryDirectory
 import pytest
 
 sys.path += [str(Path(__file__).parent / ros) for ros in ("ros1", "ros2")]
-from compiled import compiled
+from compiler import compiled
 from harness import Ros1
-from harness2 import Ros2
+from ros2_harness import Ros2
 from roslaunch_oracle import RosLoader
 
 _HEARD = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: signal.SIG_DFL}

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from rtron import __version__
-from rtron.cli.commands import COMMANDS, found
+from rtron.cli.command_registry import COMMANDS, found
 from rtron.sources.graph_json import GraphFile
 
 EVERY = [found(name) for names in COMMANDS.values() for name in names]

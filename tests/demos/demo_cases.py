@@ -11,11 +11,11 @@ from uuid import uuid4
 from harness import LIMIT_S, wait_for
 
 from rtron.demos.cases import CASES
-from rtron.demos.launching.run import begun
-from rtron.demos.measuring.run import Variant
-from rtron.demos.running.demonstration import Wish, demonstrate
-from rtron.demos.running.study import Study
-from rtron.demos.running.wanted import Tell, Wanted
+from rtron.demos.experiment.demonstration import Wish, demonstrate
+from rtron.demos.experiment.study import Study
+from rtron.demos.experiment.wanted import Tell, Wanted
+from rtron.demos.metrics.case_run import Variant
+from rtron.demos.runtime.environment import begun
 
 SEEDS = (1, 2, 3)
 SPEED = 3.0

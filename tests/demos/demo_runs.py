@@ -2,12 +2,12 @@
 
 from math import cos, pi, sin
 
-from rtron.demos.measuring.deviation import deviation
-from rtron.demos.measuring.journal import Attack
-from rtron.demos.measuring.run import Run, Variant
-from rtron.demos.measuring.scene import way
-from rtron.demos.measuring.verdicts import SECOND
-from rtron.demos.world.truth import Truth
+from rtron.demos.metrics.case_run import Run, Variant
+from rtron.demos.metrics.deviation import deviation
+from rtron.demos.metrics.guard_events import SECOND
+from rtron.demos.metrics.message_journal import Attack
+from rtron.demos.metrics.trajectory import way
+from rtron.demos.world.ground_truth import Truth
 
 BEGAN = 1_000.0
 SPEED = 2.0

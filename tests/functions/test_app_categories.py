@@ -2,8 +2,15 @@
 
 import pytest
 
-from rtron.functions import nodes
-from rtron.functions.apps import AppRow, app_row, categories, categories_of, counts, nearest
+from rtron.functions import node_functions
+from rtron.functions.app_categories import (
+    AppRow,
+    app_row,
+    categories,
+    categories_of,
+    counts,
+    nearest,
+)
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node
 from rtron.vocabulary import FunctionType as F
 
@@ -71,7 +78,7 @@ def graph(*nodes, links=()):
         Endpoint(node=node, topic=f"/{type}", type=type, direction=directions[arrow])
         for node, arrow, type in links
     )
-    return InteractionGraph(app="app", nodes=nodes, endpoints=ends)
+    return InteractionGraph(app="app", nodes=node_functions, endpoints=ends)
 
 
 SLAM_NODES = (
@@ -104,11 +111,13 @@ def test_a_map_that_is_only_handed_out_is_no_mapping():
     nodes = (*SLAM_NODES[1:], Node(name="/amcl", package="amcl"))
     served = Node(name="/map", package="map_server")
     links = (*SLAM_LINKS[2:], ("/map", "->", "nav_msgs/OccupancyGrid"))
-    assert app_row(graph(*nodes, served, links=links)).categories == ("Navigation",)
+    assert app_row(graph(*node_functions, served, links=links)).categories == ("Navigation",)
 
 
 def test_of_functions_that_are_not_sure_those_count_that_the_node_speaks_as(monkeypatch):
-    monkeypatch.setattr(nodes, "classify_name", lambda name, _="": (F.PATH_PLANNING, F.RECOGNITION))
+    monkeypatch.setattr(
+        node_functions, "classify_name", lambda name, _="": (F.PATH_PLANNING, F.RECOGNITION)
+    )
     links = (
         ("/n", "->", "trajectory_msgs/JointTrajectory"),
         ("/n", "<-", "sensor_msgs/Image"),

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from rtron.functions.classify import classify
+from rtron.functions.classifier.pipeline import classify
 from rtron.functions.domains import DOMAIN_OF
 from rtron.functions.repository import Package, Repository
 from rtron.functions.rules.examples import faults
-from rtron.functions.rules.load import read_rules
+from rtron.functions.rules.loader import read_rules
 from rtron.vocabulary import Domain, FunctionType
 
 PAGE = (Path(__file__).parents[2] / "docs" / "functions.md").read_text(encoding="utf-8")

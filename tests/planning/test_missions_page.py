@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from rtron.planning.check import check_plan
+from rtron.planning.app_check import check_plan
 from rtron.planning.missions import MISSIONS, mission_summary, mission_text
-from rtron.planning.read import parse_plan
-from rtron.planning.write import write_plan
+from rtron.planning.plan_file.loader import parse_plan
+from rtron.planning.plan_file.writer import write_plan
 
 PAGE = Path(__file__).parents[2] / "docs" / "missions.md"
 BLOCKS = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)

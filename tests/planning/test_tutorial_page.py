@@ -4,8 +4,8 @@ import ast
 import re
 from pathlib import Path
 
-from rtron.planning.check import check_plan
-from rtron.planning.read import parse_plan
+from rtron.planning.app_check import check_plan
+from rtron.planning.plan_file.loader import parse_plan
 from rtron.vocabulary import PolicyName
 
 PAGE = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")

@@ -6,8 +6,8 @@ from hypothesis import settings as effort
 from hypothesis import strategies as st
 
 from rtron.policies import build
-from rtron.policies.carrying import InTurn
-from rtron.policies.machine import Machine
+from rtron.policies.state_machine import Machine
+from rtron.policies.state_transfer import InTurn
 from rtron.vocabulary import (
     UNAPPROVED,
     Decision,

@@ -27,7 +27,7 @@ from policy_runs import (
     watch_effects,
 )
 
-from rtron.policies.machine import Effect
+from rtron.policies.state_machine import Effect
 from rtron.vocabulary import Decision, PolicyName, StreamKind
 
 OF_GRCN = (PolicyName.BLOCK, PolicyName.PREEMPTION, *QUEUES)

@@ -10,11 +10,13 @@ from docs_policies import PAGES, stale
 from policy_runs import LIMITS, settings
 
 from rtron.errors import PlanError
-from rtron.policies import POLICIES, block, build, limiting, preemption, queueing, stopping
-from rtron.policies.machine import Effect, Machine
+from rtron.policies import POLICIES, block, build, preemption, velocity_watchdog
+from rtron.policies.queues import message_queue
+from rtron.policies.state_machine import Effect, Machine
+from rtron.policies.velocity_limit import limiter
 from rtron.vocabulary import Flow, PolicyName, StreamKind
 
-TABLED = (block, preemption, queueing, limiting, stopping)
+TABLED = (block, preemption, message_queue, limiter, velocity_watchdog)
 HEADINGS = ("What it does", "When to use it", "Settings", "States", "Example")
 
 

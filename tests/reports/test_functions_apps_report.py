@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.functions.apps import AppRow, categories_of, nearest
+from rtron.functions.app_categories import AppRow, categories_of, nearest
 from rtron.reports.functions_apps import apps_text, apps_to_json
 from rtron.vocabulary import FunctionType as F
 

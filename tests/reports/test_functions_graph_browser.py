@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from rtron.functions.graph import PackageUse, abstract_graph
+from rtron.functions.interactions.abstract_graph import PackageUse, abstract_graph
 from rtron.reports.functions_graph_html import functions_to_html
 from rtron.vocabulary import FunctionType as F
 

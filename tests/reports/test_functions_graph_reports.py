@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from rtron.functions.graph import AbstractGraph, PackageUse, abstract_graph
+from rtron.functions.interactions.abstract_graph import AbstractGraph, PackageUse, abstract_graph
 from rtron.reports.functions_graph_dot import functions_to_dot
 from rtron.reports.functions_graph_ground import NODE_WIDTH
 from rtron.reports.functions_graph_html import functions_to_html

@@ -1,9 +1,9 @@
 from dataclasses import replace
 
-from rtron.functions.classification import Classification, DecidedBy, Evidence, Piece
+from rtron.functions.classifier.result import Classification, DecidedBy, Evidence, Piece
+from rtron.functions.classifier.rule_trace import Matched
+from rtron.functions.classifier.tables import count
 from rtron.functions.repository import Package, Repository
-from rtron.functions.tables import count
-from rtron.functions.tracing import Matched
 from rtron.reports.functions_evidence import evidence_text
 from rtron.reports.functions_json import classification_to_json
 from rtron.reports.functions_tables import tables_text

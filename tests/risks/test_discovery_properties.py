@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
-from naive import naive_risks
+from reference_algorithm import naive_risks
 
 from rtron.risks import discover
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node, Topic, Trust

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 
-from compiled import compiled
-from drive import start_guard
+from compiler import compiled
+from driven_base import start_guard
 from harness import NODES, ROS_PYTHON, named, wait_for
 from plans import grcn, plan_of
 

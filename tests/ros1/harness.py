@@ -12,7 +12,7 @@ from pathlib import Path
 from random import SystemRandom
 
 from rtron.errors import RTronError
-from rtron.wire.xmlrpc import ros_call
+from rtron.wire.ros1.xmlrpc import ros_call
 
 HERE = Path(__file__).parent
 NODES = HERE / "nodes"

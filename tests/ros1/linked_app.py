@@ -1,6 +1,6 @@
 """The driven base under a guard that is linked to a security service, as their users run them."""
 
-from drive import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
+from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
 
 ROBOT = "r1"

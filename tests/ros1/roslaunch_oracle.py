@@ -4,7 +4,7 @@ import json
 import subprocess
 from pathlib import Path
 
-from rtron.sources.launch.packages import find_packages
+from rtron.sources.launch.common.packages import find_packages
 
 DUMP = Path(__file__).with_name("roslaunch_dump.py")
 ROS_PYTHON = "/usr/bin/python3"

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from rtron.errors import InputError
-from rtron.sources.launch import listing
-from rtron.survey.subjects import subjects
+from rtron.sources.launch.ros1 import file_search
+from rtron.survey.app_listing import subjects
 
 sys.path.append(str(Path(__file__).parents[1] / "functions"))
 from local_cluster import local_cluster
@@ -35,7 +35,7 @@ def test_a_repository_without_end_costs_itself_only(repositories, tmp_path, monk
     left = []
     shutil.copytree(repositories, tmp_path, dirs_exist_ok=True)
     (tmp_path / "other/more/and/more").mkdir(parents=True)
-    monkeypatch.setattr(listing, "MAX_FOLDERS", 4)
+    monkeypatch.setattr(file_search, "MAX_FOLDERS", 4)
     assert [each.app for each in subjects(tmp_path, left.append)] == APPS[:1]
     assert f"{tmp_path / 'other'}: has more than 4 folders" in map(str, left)
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import is_folder
-from rtron.functions.apps import AppRow, app_row
+from rtron.functions.app_categories import AppRow, app_row
 from rtron.functions.reading import Note, Skipped
 from rtron.sources.graph_json import read_graph
-from rtron.sources.workspace.files import is_regular
+from rtron.sources.workspace.package_files import is_regular
 
 
 def app_rows(given: Sequence[Path], left: Note) -> list[AppRow]:

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.cli.outcome import as_json
+from rtron.cli.support.outcome import as_json
 from rtron.errors import InputError
 from rtron.sources.run_json import run_to_json
 from rtron.vocabulary import Run

@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from rtron import __version__
-from rtron.cli.commands import Commands
-from rtron.cli.outcome import BAD_INPUT, Outcome, complain, deliver
+from rtron.cli.command_registry import Commands
+from rtron.cli.support.outcome import BAD_INPUT, Outcome, complain, deliver
 from rtron.errors import RTronError
 
 app = typer.Typer(

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from rtron.cli.static_app import StaticSource
 from rtron.sources.source import Source
 from rtron.vocabulary import InteractionGraph
+from rtron.workflows.source_app import StaticSource
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,7 +15,7 @@ class WithFunctions:
 
     def read(self) -> InteractionGraph:
         """Return the graph; manifests are looked at where the app is read from source."""
-        from rtron.functions.nodes import with_functions  # noqa: PLC0415 - only what is scanned needs it
+        from rtron.functions.node_functions import with_functions  # noqa: PLC0415 - only what is scanned needs it
 
         graph = self.source.read()
         if isinstance(self.source, StaticSource):

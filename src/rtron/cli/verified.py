@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from rich.text import Text
 
-from rtron.guard.audit.verification import Path, PathState, Verification
+from rtron.guard.audit.ros1.verification import Path, PathState, Verification
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
 
 VERIFY_SCHEMA = "rtron.verify/1"

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
-from rtron.cli.progress import shown_progress
+from rtron.cli.support.progress import shown_progress
 from rtron.executors import Executor, Failed
 from rtron.functions.reading import Note, Skipped
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 
-from rtron.executors.executor import Failed, Item, Result, attempt
+from rtron.executors.base import Failed, Item, Result, attempt
 
 
 class Here:

@@ -7,8 +7,8 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
-from rtron.functions.data import shipped
-from rtron.functions.messages.typical import Traffic, says_something, typical
+from rtron.functions.interactions.typical_messages import Traffic, says_something, typical
+from rtron.functions.package_data import shipped
 from rtron.vocabulary import (
     ActionRole,
     Endpoint,

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from rtron.vocabulary import SECOND, Alarm, AlarmKind
 
 if TYPE_CHECKING:
-    from rtron.guard.alarms import Alarms
-    from rtron.guard.transport.transport import Transport
+    from rtron.guard.core.alarms import Alarms
+    from rtron.guard.transport.common.protocol import Transport
 
 log = logging.getLogger(__name__)
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from rtron.guard.senses import Senses
+from rtron.guard.core.observations import Senses
 from rtron.vocabulary import UNAPPROVED, Flow, Stage, Stream
 
 

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 
 from rtron.errors import PlanError
-from rtron.messages.definitions import Definitions
-from rtron.messages.encoding import Encoding
-from rtron.messages.judge import Judge
-from rtron.policies.rule_block import Judgement
+from rtron.messages.common.definition_registry import Definitions
+from rtron.messages.common.encoding import Encoding
+from rtron.messages.expressions.evaluator import Judge
+from rtron.policies.mission.rule_block import Judgement
 from rtron.vocabulary import MSRCN, Plan
 
 Judging = Callable[[bytes], Sequence[Judgement]]

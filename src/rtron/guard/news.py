@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from rtron.errors import WireError
-from rtron.policies.frame_rate import NO_STAMP
+from rtron.policies.velocity_limit.frame_rate import NO_STAMP
 
 
 class News:

@@ -5,7 +5,7 @@ import time
 from functools import partial
 from pathlib import Path
 
-from rtron.guard.loop import Loop
+from rtron.guard.core.event_loop import Loop
 
 log = logging.getLogger(__name__)
 

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from rtron.guard.decoding import Decoding
-from rtron.guard.override import Overridable
-from rtron.guard.senses import Senses
+from rtron.guard.core.observations import Senses
+from rtron.guard.core.override_policy import Overridable
+from rtron.guard.core.velocity_adapter import Decoding
 from rtron.policies import Policy, build
-from rtron.policies.limiting import Limiting
-from rtron.policies.mission import Standing
-from rtron.policies.rule_block import Judgement, RuleBlock
+from rtron.policies.mission.rule_block import Judgement, RuleBlock
+from rtron.policies.mission.rule_status import Standing
+from rtron.policies.velocity_limit.limiter import Limiting
 from rtron.vocabulary import CoordinationKind, Stage, Stream
 
 

@@ -4,14 +4,14 @@ Messages are bytes as they travel: ROS 1 with the length in front, CDR with its 
 Nothing here makes code out of a definition, since definitions come from strangers.
 """
 
-from rtron.messages.condition import Condition
-from rtron.messages.definition import Definition, Field
-from rtron.messages.definition_text import parse_definition
-from rtron.messages.definitions import Definitions
-from rtron.messages.encoding import Encoding
-from rtron.messages.judge import Judge, check_expression
-from rtron.messages.stamp import stamp_reader
-from rtron.messages.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
+from rtron.messages.common.definition import Definition, Field
+from rtron.messages.common.definition_parser import parse_definition
+from rtron.messages.common.definition_registry import Definitions
+from rtron.messages.common.encoding import Encoding
+from rtron.messages.common.stamp import stamp_reader
+from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
+from rtron.messages.expressions.condition import Condition
+from rtron.messages.expressions.evaluator import Judge, check_expression
 
 __all__ = [
     "VELOCITY_TYPES",

@@ -3,17 +3,17 @@
 from collections.abc import Iterator, Sequence
 
 from rtron.errors import InputError
-from rtron.messages.condition import Condition
-from rtron.messages.definitions import Definitions
-from rtron.messages.judge import check_expression
-from rtron.planning.coherence.contradictions import contradictions
+from rtron.messages.common.definition_registry import Definitions
+from rtron.messages.expressions.condition import Condition
+from rtron.messages.expressions.evaluator import check_expression
 from rtron.planning.coherence.msrcn import (
     MOST_EFLOWS,
     MOST_EXPRESSIONS,
     MOST_RULES,
     blocked_types,
 )
-from rtron.planning.coherence.obligations import self_met
+from rtron.planning.coherence.required_flows import self_met
+from rtron.planning.coherence.rule_contradictions import contradictions
 from rtron.planning.problem import Level
 from rtron.vocabulary import MSRCN, EventFlow, MessageDefinition, Plan, Rule
 

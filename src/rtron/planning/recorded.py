@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from rtron.errors import InputError
-from rtron.messages.definition_text import parse_definition
-from rtron.messages.definitions import Definitions
+from rtron.messages.common.definition_parser import parse_definition
+from rtron.messages.common.definition_registry import Definitions
 from rtron.planning.coherence.msrcn import MOST_EXPRESSIONS, MOST_RULES, blocked_types
 from rtron.vocabulary import MSRCN, MessageDefinition, Plan, is_action_type, normalise_type
 

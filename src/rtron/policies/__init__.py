@@ -3,14 +3,14 @@
 from collections.abc import Callable, Mapping
 
 from rtron.policies.block import Block
-from rtron.policies.constrain import Constrain
-from rtron.policies.fifo_queue import FIFOQueue
 from rtron.policies.policy import Policy, Release
 from rtron.policies.preemption import Preemption
-from rtron.policies.priority_queue import PriorityQueue
-from rtron.policies.rates import Rates
-from rtron.policies.safe import Safe
-from rtron.policies.safe_constrain import SafeConstrain
+from rtron.policies.queues.fifo import FIFOQueue
+from rtron.policies.queues.priority import PriorityQueue
+from rtron.policies.velocity_limit.constrain import Constrain
+from rtron.policies.velocity_limit.frame_monitors import Rates
+from rtron.policies.velocity_limit.safe import Safe
+from rtron.policies.velocity_limit.safe_constrain import SafeConstrain
 from rtron.vocabulary import PolicyName, PolicySettings
 
 __all__ = ["POLICIES", "Policy", "Rates", "Release", "build"]

@@ -42,10 +42,10 @@ Block has one state. It remembers when each flow spoke last, for a policy that t
 
 from collections.abc import Sequence
 
-from rtron.policies.answers import Answers, Gate
-from rtron.policies.carrying import Carried
-from rtron.policies.machine import Effect, Machine, Named, Table
 from rtron.policies.policy import Immediate, Release
+from rtron.policies.state_machine import Effect, Machine, Named, Table
+from rtron.policies.state_transfer import Carried
+from rtron.policies.verdicts import Answers, Gate
 from rtron.vocabulary import Decision, PolicySettings, Verdict
 
 

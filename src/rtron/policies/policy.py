@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from rtron.policies.carrying import Carried
+from rtron.policies.state_transfer import Carried
 from rtron.vocabulary import Verdict
 
 

@@ -53,11 +53,11 @@ pass
 
 from collections.abc import Sequence
 
-from rtron.policies.answers import Answers, Gate, check_priorities, has_output, with_priority
-from rtron.policies.carrying import Carried
-from rtron.policies.freshness import Speaker, Speakers
-from rtron.policies.machine import Effect, Machine, Named, Table
+from rtron.policies.active_flows import Speaker, Speakers
 from rtron.policies.policy import Immediate, Release
+from rtron.policies.state_machine import Effect, Machine, Named, Table
+from rtron.policies.state_transfer import Carried
+from rtron.policies.verdicts import Answers, Gate, check_priorities, has_output, with_priority
 from rtron.vocabulary import Decision, PolicySettings, Verdict
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from rich.text import Text
 
-from rtron.functions.apps import PAPERS_APPS, AppRow, CategoryCount, Nearest
+from rtron.functions.app_categories import PAPERS_APPS, AppRow, CategoryCount, Nearest
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
 from rtron.vocabulary import FunctionType
 

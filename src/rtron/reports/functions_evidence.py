@@ -8,9 +8,9 @@ from typing import TypeAlias
 
 from rich.text import Text
 
-from rtron.functions.classification import Classification, DecidedBy, Piece
+from rtron.functions.classifier.result import Classification, DecidedBy, Piece
+from rtron.functions.classifier.rule_trace import Matched
 from rtron.functions.repository import Repository
-from rtron.functions.tracing import Matched
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
 
 _TOLD = {

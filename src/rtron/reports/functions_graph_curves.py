@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TypeAlias
 
-from rtron.functions.graph import DirectInteraction
+from rtron.functions.interactions.abstract_graph import DirectInteraction
 from rtron.reports.functions_graph_ground import (
     NODE_HEIGHT,
     NODE_WIDTH,

@@ -7,8 +7,13 @@ dotted arrows lead through what changes in the environment.
 
 from collections.abc import Iterator, Mapping
 
-from rtron.functions.graph import AbstractGraph, Basis, DirectInteraction, FunctionNode
-from rtron.functions.main_flow import main_flow
+from rtron.functions.interactions.abstract_graph import (
+    AbstractGraph,
+    Basis,
+    DirectInteraction,
+    FunctionNode,
+)
+from rtron.functions.interactions.main_flow import main_flow
 from rtron.reports.functions_graph_legend import LOOKS, notes
 from rtron.reports.functions_graph_words import (
     ENVIRONMENT,

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from rtron.functions.graph import AbstractGraph, IndirectInteraction
+from rtron.functions.interactions.abstract_graph import AbstractGraph, IndirectInteraction
 from rtron.reports.functions_graph_ground import NODE_HEIGHT, PAD, Box, Ground, left_of
 from rtron.reports.functions_graph_routes import Line, left_side
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 
-from rtron.functions.graph import FunctionNode
+from rtron.functions.interactions.abstract_graph import FunctionNode
 from rtron.reports.functions_graph_words import STAGES, stage_of
 from rtron.vocabulary import FunctionType
 

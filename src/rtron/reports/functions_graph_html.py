@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from html import escape
 from string import Template
 
-from rtron.functions.graph import AbstractGraph
+from rtron.functions.interactions.abstract_graph import AbstractGraph
 from rtron.reports.functions_graph_legend import notes
 from rtron.reports.functions_graph_svg import functions_to_svg
 from rtron.reports.functions_graph_words import evidence_words

@@ -3,7 +3,11 @@
 from dataclasses import asdict
 from typing import Any
 
-from rtron.functions.graph import FUNCTIONS_SCHEMA, AbstractGraph, DirectInteraction
+from rtron.functions.interactions.abstract_graph import (
+    FUNCTIONS_SCHEMA,
+    AbstractGraph,
+    DirectInteraction,
+)
 
 
 def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:

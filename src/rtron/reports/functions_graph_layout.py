@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from rtron.functions.graph import AbstractGraph
+from rtron.functions.interactions.abstract_graph import AbstractGraph
 from rtron.reports.functions_graph_curves import curves
 from rtron.reports.functions_graph_environment import (
     EnvironmentLane,

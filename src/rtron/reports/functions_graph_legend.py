@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from rtron.functions.graph import AbstractGraph, Basis
+from rtron.functions.interactions.abstract_graph import AbstractGraph, Basis
 from rtron.reports.functions_graph_words import known_words, left_out_words, unread_words
 
 LOOKS: Mapping[Basis, tuple[str, float]] = {

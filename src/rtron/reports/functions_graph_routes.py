@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import TypeAlias
 
-from rtron.functions.graph import Basis, DirectInteraction
+from rtron.functions.interactions.abstract_graph import Basis, DirectInteraction
 from rtron.reports.functions_graph_ground import (
     LANE,
     MARGIN,

@@ -3,8 +3,13 @@
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
-from rtron.functions.graph import AbstractGraph, Basis, DirectInteraction, FunctionNode
-from rtron.functions.main_flow import main_flow
+from rtron.functions.interactions.abstract_graph import (
+    AbstractGraph,
+    Basis,
+    DirectInteraction,
+    FunctionNode,
+)
+from rtron.functions.interactions.main_flow import main_flow
 from rtron.reports.functions_graph_environment import EnvironmentLane
 from rtron.reports.functions_graph_ground import Box
 from rtron.reports.functions_graph_layout import LEGEND_ROW, Layout, lay_out

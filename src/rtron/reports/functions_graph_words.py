@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping
 
-from rtron.functions.graph import (
+from rtron.functions.interactions.abstract_graph import (
     AbstractGraph,
     Basis,
     DirectInteraction,
     Exchanged,
     FunctionNode,
 )
-from rtron.functions.main_flow import main_flow
+from rtron.functions.interactions.main_flow import main_flow
 from rtron.reports.lines import counted
 from rtron.reports.neutral import neutral
 from rtron.vocabulary import Domain, FunctionType

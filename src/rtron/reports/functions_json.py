@@ -1,6 +1,6 @@
 """A classification as JSON."""
 
-from rtron.functions.classification import Classification
+from rtron.functions.classifier.result import Classification
 
 
 def classification_to_json(classification: Classification) -> dict[str, object]:

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 
 from rich.text import Text
 
-from rtron.functions import paper
+from rtron.functions.classifier import paper_counts
+from rtron.functions.classifier.tables import Tables, function_nodes, sum_of
+from rtron.functions.classifier.tally import Tally
 from rtron.functions.domains import DOMAIN_OF
-from rtron.functions.tables import Tables, function_nodes, sum_of
-from rtron.functions.tally import Tally
 from rtron.reports.lines import Page, Report, heading, line, paragraph
 from rtron.vocabulary import Domain, FunctionType
 
@@ -39,14 +39,16 @@ def _lines(tables: Tables, page: Page) -> Iterator[Text]:
 
 def _by_type(tables: Tables) -> Iterator[Text]:
     total = sum_of(tables.types, Domain).total
-    of_paper = sum(paper.REPOS.values())
+    of_paper = sum(paper_counts.REPOS.values())
     yield line(f"{'':{_WIDTH}}{'repos':>8}{'%':>7}{'paper':>10}{'%':>7}", indent=2)
     for domain in Domain:
         ours = sum_of(tables.types, (domain,)).total
-        theirs = sum(number for type, number in paper.REPOS.items() if DOMAIN_OF[type] is domain)
+        theirs = sum(
+            number for type, number in paper_counts.REPOS.items() if DOMAIN_OF[type] is domain
+        )
         yield _counts(domain, (ours, total), (theirs, of_paper), "bold")
         for type in _types(domain):
-            numbers = (tables.types[type].total, total), (paper.REPOS[type], of_paper)
+            numbers = (tables.types[type].total, total), (paper_counts.REPOS[type], of_paper)
             yield _counts(f"  {type}", *numbers)
     yield _counts("all", (total, total), (of_paper, of_paper), "bold")
 
@@ -61,12 +63,15 @@ def _by_piece(tables: Tables) -> Iterator[Text]:
     titles = "".join(f"{title:>9}" for title in ("name", "manifest", "readme", "none"))
     yield line(f"{'':{_WIDTH}}{titles}{'auto %':>8}{'paper':>8}", indent=2)
     for type in FunctionType:
-        yield _pieces(type, tables.types[type], paper.AUTOMATION[type])
-        yield _pieces("", paper.DECIDED[type], None, "dim")
+        yield _pieces(type, tables.types[type], paper_counts.AUTOMATION[type])
+        yield _pieces("", paper_counts.DECIDED[type], None, "dim")
     yield _pieces(
-        "function nodes", function_nodes(tables.types), paper.FUNCTION_NODE_AUTOMATION, "bold"
+        "function nodes",
+        function_nodes(tables.types),
+        paper_counts.FUNCTION_NODE_AUTOMATION,
+        "bold",
     )
-    yield _pieces("", paper.FUNCTION_NODES, None, "dim")
+    yield _pieces("", paper_counts.FUNCTION_NODES, None, "dim")
     yield _pieces("all", sum_of(tables.types, Domain), None, "bold")
 
 

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 from rtron.risks import gr_mt, gr_st, msr_action, msr_event, rsr_image, rsr_max_vel
 from rtron.risks.counting import count
-from rtron.risks.facts import Facts
+from rtron.risks.graph_facts import Facts
 from rtron.risks.lists import RiskLists, default_lists, load_lists
 from rtron.risks.pages import named, page
 from rtron.risks.rule import Rule, missing

@@ -33,7 +33,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from rtron.risks.facts import NAMED, Facts, TopicFacts, evidence_of
+from rtron.risks.graph_facts import NAMED, Facts, TopicFacts, evidence_of
 from rtron.risks.rule import Need, Rule
 from rtron.risks.severity import contends_for_robot, severity_of
 from rtron.risks.wording import listed

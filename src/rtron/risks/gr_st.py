@@ -28,7 +28,7 @@ observe it and block whom you do not know.
 
 from collections.abc import Iterator
 
-from rtron.risks.facts import Facts, TopicFacts, evidence_of
+from rtron.risks.graph_facts import Facts, TopicFacts, evidence_of
 from rtron.risks.rule import Need, Rule
 from rtron.risks.severity import contends_for_robot, severity_of
 from rtron.risks.wording import all_of, listed, verb

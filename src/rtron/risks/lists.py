@@ -7,7 +7,7 @@ from functools import cache, cached_property, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from rtron.risks.list_file import Written, parse_lists, read_text
+from rtron.risks.list_parser import Written, parse_lists, read_text
 from rtron.risks.topic_table import Entry, Patterns, TopicTable
 from rtron.vocabulary import Domain, Sharing, StreamKind, TopicClass, normalise_type, without_stamp
 

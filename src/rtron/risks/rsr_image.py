@@ -24,7 +24,7 @@ below what this rate allows (Safe), or below a limit that the user sets (Constra
 
 from collections.abc import Iterator
 
-from rtron.risks.facts import NAMED, Facts, evidence_of
+from rtron.risks.graph_facts import NAMED, Facts, evidence_of
 from rtron.risks.rule import Need, Rule
 from rtron.risks.severity import severity_of
 from rtron.risks.wording import listed

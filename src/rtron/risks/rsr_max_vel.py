@@ -24,7 +24,7 @@ publisher.
 
 from collections.abc import Iterator
 
-from rtron.risks.facts import Facts, TopicFacts, evidence_of
+from rtron.risks.graph_facts import Facts, TopicFacts, evidence_of
 from rtron.risks.rule import Need, Rule
 from rtron.risks.severity import severity_of
 from rtron.risks.wording import listed, verb

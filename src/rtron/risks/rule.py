@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from rtron.risks.facts import Facts
+from rtron.risks.graph_facts import Facts
 from rtron.vocabulary import Risk, RiskKind, Word
 
 

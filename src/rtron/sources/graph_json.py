@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, FailFast, Field, TypeAdapter, ValidationError, with_config
 
-from rtron.sources.bounded import read_bounded
-from rtron.sources.graph_fault import fault_in
+from rtron.sources.bounded_file import read_bounded
+from rtron.sources.graph_json_errors import fault_in
 from rtron.vocabulary import (
     Action,
     Endpoint,

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from rtron.sources.ros1_answers import Incoming, Pair
+from rtron.sources.live.ros1.replies import Incoming, Pair
 from rtron.sources.ros1_node import NodeAnswers
 from rtron.vocabulary import Evidence, Unresolved
 

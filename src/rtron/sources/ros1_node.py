@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field, replace
 
-from rtron.sources.ros1_answers import Incoming, incoming, process_id
-from rtron.sources.ros1_process import Program, program_of
-from rtron.wire.xmlrpc import ros_call
+from rtron.sources.live.ros1.process import Program, program_of
+from rtron.sources.live.ros1.replies import Incoming, incoming, process_id
+from rtron.wire.ros1.xmlrpc import ros_call
 
 _LONGEST_FAULT = 300
 

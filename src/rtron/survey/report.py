@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from rich.text import Text
 
-from rtron.functions.apps import CategoryCount, counts
+from rtron.functions.app_categories import CategoryCount, counts
 from rtron.reports.functions_apps import category_rows
 from rtron.reports.lines import Report, columns, counted, heading, line
 from rtron.survey.surveyed import Surveyed

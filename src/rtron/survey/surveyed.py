@@ -6,13 +6,13 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.functions.apps import AppRow, app_row
+from rtron.functions.app_categories import AppRow, app_row
 from rtron.risks import discover
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rtron.survey.subjects import Subject
+    from rtron.survey.app_listing import Subject
     from rtron.vocabulary import CoordinationCount, InteractionGraph, RiskKind
 
 

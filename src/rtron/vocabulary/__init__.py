@@ -15,7 +15,7 @@ from rtron.vocabulary.action import (
     part_topic,
 )
 from rtron.vocabulary.alarm import Alarm, AlarmKind
-from rtron.vocabulary.effective import MisfitError, coordination_ids, effective, fitting
+from rtron.vocabulary.effective_plan import MisfitError, coordination_ids, effective, fitting
 from rtron.vocabulary.enums import (
     ActionRole,
     CoordinationKind,
@@ -108,13 +108,6 @@ from rtron.vocabulary.plan import (
     Transform,
     WatchedFlow,
 )
-from rtron.vocabulary.planned import (
-    PlannedService,
-    PlannedTopic,
-    planned_services,
-    planned_topics,
-    stage_nodes,
-)
 from rtron.vocabulary.proposal import PROPOSALS_SCHEMA, Proposal, ProposalKind
 from rtron.vocabulary.replay import REPLAY_SCHEMA, Change, FlowCount, Replay, StreamCount
 from rtron.vocabulary.risk import (
@@ -124,7 +117,7 @@ from rtron.vocabulary.risk import (
     RiskReport,
     TopicClass,
 )
-from rtron.vocabulary.run import (
+from rtron.vocabulary.run_report import (
     RUN_SCHEMA,
     DurationFigures,
     EventFigures,
@@ -146,6 +139,13 @@ from rtron.vocabulary.settings import (
 )
 from rtron.vocabulary.stream import PolicySettings, Stage, StageRule, Stream
 from rtron.vocabulary.streams import streams
+from rtron.vocabulary.topic_access import (
+    PlannedService,
+    PlannedTopic,
+    planned_services,
+    planned_topics,
+    stage_nodes,
+)
 from rtron.vocabulary.velocity import Velocity
 from rtron.vocabulary.verdict import Verdict
 

@@ -6,10 +6,10 @@ import httpx
 import pytest
 
 sys.path.append(str(Path(__file__).parent))
-from site_of_tests import Clock, People, served
+from service_app import Clock, People, served
 
-from rtron.service.app import create_app
 from rtron.service.config import Config
+from rtron.service.server.app import create_app
 
 
 @pytest.fixture

@@ -1,7 +1,7 @@
 """A served collector on each kind of database."""
 
 import pytest
-from collecting import World
+from collector_server import World
 
 from rtron.service.store.database import Database
 

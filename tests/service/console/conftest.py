@@ -12,10 +12,10 @@ sys.path.append(str(Path(__file__).parents[1] / "api"))
 from console_guard import LinkedGuard
 from console_robot import FIXTURE, plan
 from harness import wait_for
-from site_of_tests import PASSWORD, People, served
+from service_app import PASSWORD, People, served
 
-from rtron.service.app import create_app
 from rtron.service.config import Config
+from rtron.service.server.app import create_app
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 ARGUMENTS = (

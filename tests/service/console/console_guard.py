@@ -8,8 +8,16 @@ from console_robot import Guard
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from rtron.vocabulary import EventKind, effective
-from rtron.wire.link import Applied, Events, Hello, NewSettings, State, guard_bytes, to_guard
+from rtron.vocabulary import EventKind, effective_plan
+from rtron.wire.common.link_protocol import (
+    Applied,
+    Events,
+    Hello,
+    NewSettings,
+    State,
+    guard_bytes,
+    to_guard,
+)
 
 
 class LinkedGuard:
@@ -88,7 +96,7 @@ class LinkedGuard:
         if not self.error:
             self.guard.revision = settings.revision
             self.guard.stopped = settings.stop is not None
-            in_force = effective(self.guard.plan, settings).rsrcn
+            in_force = effective_plan(self.guard.plan, settings).rsrcn
             self.guard.limit = in_force.max_vel_limit if in_force else 0.22
             self.guard.overridden = tuple(settings.overrides)
         self.say(Applied(revision=settings.revision, error=self.error))

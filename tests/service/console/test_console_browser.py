@@ -6,7 +6,7 @@ import pytest
 from console_robot import GRAPH, large_graph
 from selenium.webdriver.common.keys import Keys
 
-from rtron.functions.nodes import with_functions
+from rtron.functions.node_functions import with_functions
 from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import EventKind, Level
 

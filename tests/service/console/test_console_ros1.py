@@ -10,7 +10,7 @@ from console_page import Page
 from harness import wait_for
 from linked_app import FLOW1, FLOW2, ROBOT, LinkedApp
 
-from bench.served import Served
+from bench.service.service_process import Served
 
 pytestmark = pytest.mark.ros1
 

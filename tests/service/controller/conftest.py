@@ -2,7 +2,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from controller_plans import World, hello, plan
+from controller_setup import World, hello, plan
 
 from rtron.service.store.database import Database
 

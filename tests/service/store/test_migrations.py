@@ -9,7 +9,7 @@ from sqlalchemy import create_engine, inspect, text
 
 from rtron.errors import InputError, SourceError
 from rtron.service.store.database import Database
-from rtron.service.store.migrate import head, migrate
+from rtron.service.store.schema_migration import head, migrate
 from rtron.service.store.tables import Table
 
 

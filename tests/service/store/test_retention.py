@@ -1,6 +1,6 @@
 import pytest
 from sqlalchemy import func, select
-from stored import add, event, new_robot
+from store_data import add, event, new_robot
 
 from rtron.service.store.audit import Deed, record
 from rtron.service.store.retention import SLICE, Bounds, forget, used_bytes

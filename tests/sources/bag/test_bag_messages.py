@@ -33,9 +33,9 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import Reader as Reader2
 
 from rtron.errors import InputError
-from rtron.sources.bag import order
-from rtron.sources.bag.kind import is_bag
-from rtron.sources.bag.messages import read_messages
+from rtron.sources.bag.common import time_order
+from rtron.sources.bag.file_type import is_bag
+from rtron.sources.bag.formats import read_messages
 from rtron.vocabulary import Durability, QoS, Reliability
 
 
@@ -120,9 +120,9 @@ def test_messages_of_one_time_come_as_they_stand_in_the_file(tmp_path):
 )
 def test_a_header_has_its_fields_in_any_order(tmp_path, order):
     chunk = connection1(0, "/cmd_vel") + b"".join(
-        message1(0, second, b"%d" % second, order) for second in (1, 2)
+        message1(0, second, b"%d" % second, time_order) for second in (1, 2)
     )
-    other = message1(0, 3, b"3", order[::-1])
+    other = message1(0, 3, b"3", time_order[::-1])
     path = raw_ros1_bag(tmp_path / "x.bag", [(1, b"none", len(chunk + other), chunk + other)])
     assert [(t // SECOND, d) for t, _, _, d in read(path)] == [(1, b"1"), (2, b"2"), (3, b"3")]
 
@@ -223,9 +223,9 @@ def test_what_waits_for_later_chunks_is_bounded(tmp_path, monkeypatch):
     path = ros1_bag(tmp_path / "run.bag", times, chunk=500)
     in_chunk = max(Counter(each.chunk_pos for each in indexed(path)).values())
     most = (in_chunk + 1) * (len(twist(0)) + 200)
-    monkeypatch.setattr(order, "MAX_WAITING", most)
+    monkeypatch.setattr(time_order, "MAX_WAITING", most)
     assert len(read(path)) == 50
-    monkeypatch.setattr(order, "MAX_WAITING", most - 1)
+    monkeypatch.setattr(time_order, "MAX_WAITING", most - 1)
     with pytest.raises(InputError, match="overlap by more than"):
         read(path)
 

@@ -4,8 +4,8 @@ import pytest
 from bag_files import SECOND
 from harness import wait_for
 
+from rtron.sources.bag.formats import read_messages
 from rtron.sources.bag.graph import Bag
-from rtron.sources.bag.messages import read_messages
 from rtron.vocabulary import Durability
 
 pytestmark = pytest.mark.ros1

@@ -3,8 +3,8 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from rtron.sources.code.program import run_component, run_cpp, run_python
-from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.code.program_runner import run_component, run_cpp, run_python
+from rtron.sources.code.workspace_sources import WorkspaceFiles
 from rtron.sources.declaration import NodeSite, ParameterSetting
 from rtron.sources.workspace import Workspace
 

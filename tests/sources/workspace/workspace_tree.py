@@ -4,7 +4,7 @@ from pathlib import Path
 
 from rtron.sources.workspace import PackageContents, Workspace
 from rtron.sources.workspace.cmake.evaluator import evaluate
-from rtron.sources.workspace.files import list_files
+from rtron.sources.workspace.package_files import list_files
 
 HEAD = "project(pkg)\n"
 

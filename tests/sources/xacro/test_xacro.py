@@ -4,8 +4,8 @@ import pytest
 
 pytest.importorskip("xacro", reason="the real xacro is not installed")
 
-from comparing import differences, real
 from xacro_cases import CASES, FILES
+from xml_differences import differences, real
 
 from rtron.sources.xacro import evaluate_xacro
 

@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 
 import pytest
-from comparing import differences, real
+from xml_differences import differences, real
 
-from rtron.sources.launch.packages import find_packages
+from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.xacro import evaluate_xacro
 
 APPS = os.environ.get("RTRON_APPS", "")

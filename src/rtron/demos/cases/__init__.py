@@ -1,4 +1,4 @@
-from rtron.demos.cases.case import Case, Decisions, Setting
+from rtron.demos.cases.case_study import Case, Decisions, Setting
 from rtron.demos.cases.gr import GR
 from rtron.demos.cases.msr import MSR
 from rtron.demos.cases.rsr import RSR

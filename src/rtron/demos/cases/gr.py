@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from rtron.demos.cases.case import GOALS_AT_ONCE, Case, Decisions, Setting
-from rtron.demos.measuring.run import COLLISION
-from rtron.demos.measuring.scene import Scene
-from rtron.demos.world.truth import Truth
+from rtron.demos.cases.case_study import GOALS_AT_ONCE, Case, Decisions, Setting
+from rtron.demos.metrics.case_run import COLLISION
+from rtron.demos.metrics.trajectory import Scene
+from rtron.demos.world.ground_truth import Truth
 
 ATTACKER = "/tb3_safe_control"
 TOPIC = "/cmd_vel"

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from rtron.demos.cases.case import ALL_PASS, GOALS_AT_ONCE, MAX_VEL, Case, Decisions, Setting
-from rtron.demos.measuring.run import COLLISION
-from rtron.demos.measuring.scene import Scene
-from rtron.demos.world.truth import Truth
+from rtron.demos.cases.case_study import ALL_PASS, GOALS_AT_ONCE, MAX_VEL, Case, Decisions, Setting
+from rtron.demos.metrics.case_run import COLLISION
+from rtron.demos.metrics.trajectory import Scene
+from rtron.demos.world.ground_truth import Truth
 
 TOPIC = MAX_VEL
 MALICIOUS = 2.0

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from rtron.demos.cases.case import Decisions
+from rtron.demos.cases.case_study import Decisions
 
 
 def together(each: Iterable[Decisions]) -> Decisions:

@@ -11,8 +11,8 @@ import signal
 import sys
 from pathlib import Path
 
-from rtron.demos.world.server import Server
-from rtron.demos.world.socket_file import listening
+from rtron.demos.world.server.loop import Server
+from rtron.demos.world.server.unix_socket import listening
 from rtron.errors import RTronError, SourceError
 
 _SLOWEST, _FASTEST = 0.25, 8.0

@@ -18,10 +18,10 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from rtron.demos.world.body import PEDESTRIAN_RADIUS
-from rtron.demos.world.rays import Floats, Surfaces, distances
-from rtron.demos.world.scene import Pose
-from rtron.demos.world.truth import Place
+from rtron.demos.world.ground_truth import Place
+from rtron.demos.world.ray_casting import Floats, Surfaces, distances
+from rtron.demos.world.robot_base import PEDESTRIAN_RADIUS
+from rtron.demos.world.scenes.scene import Pose
 
 WIDTH, HEIGHT = 320, 240
 PEDESTRIAN = (255, 0, 255)

@@ -1,6 +1,6 @@
 """The velocity that the motors are told to have: held until the next comes, but not for long."""
 
-from rtron.demos.world.body import STEP, Velocity, clipped
+from rtron.demos.world.robot_base import STEP, Velocity, clipped
 
 STILL = (0.0, 0.0)
 HOLD = 0.5

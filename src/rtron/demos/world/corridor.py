@@ -2,8 +2,8 @@
 
 from random import Random
 
-from rtron.demos.world.drawing import length, rectangle
-from rtron.demos.world.scene import Block, Scene
+from rtron.demos.world.scenes.geometry import length, rectangle
+from rtron.demos.world.scenes.scene import Block, Scene
 
 
 def corridor(seed: int, chance: Random) -> Scene:

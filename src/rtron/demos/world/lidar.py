@@ -4,8 +4,8 @@ from math import pi
 
 import numpy as np
 
-from rtron.demos.world.rays import Surfaces, distances
-from rtron.demos.world.scene import Pose
+from rtron.demos.world.ray_casting import Surfaces, distances
+from rtron.demos.world.scenes.scene import Pose
 
 RANGE_MIN, RANGE_MAX = 0.12, 3.5
 """m."""

@@ -7,8 +7,8 @@ from pathlib import Path
 from threading import Condition, Thread
 from typing import Any
 
-from rtron.demos.world.protocol import Frame, Parser, encode
-from rtron.demos.world.truth import Truth
+from rtron.demos.world.ground_truth import Truth
+from rtron.demos.world.server.protocol import Frame, Parser, encode
 from rtron.errors import SourceError, WireError
 
 _CHUNK = 64 * 1024

@@ -6,8 +6,8 @@ from math import dist
 
 from shapely import LineString, Point
 
-from rtron.demos.world.scene import Crossing
-from rtron.demos.world.truth import Place
+from rtron.demos.world.ground_truth import Place
+from rtron.demos.world.scenes.scene import Crossing
 
 _NEAREST, _BEYOND = 0.6, 0.25
 """How far from the nominal place a pedestrian may stand: this share of the walk, and m."""

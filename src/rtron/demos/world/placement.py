@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from math import atan2, cos, sin
 from random import Random
 
-from rtron.demos.world.scene import Block, Crossing, Disc, Obstacle, Pose, Scene, box
-from rtron.demos.world.truth import Place
+from rtron.demos.world.ground_truth import Place
+from rtron.demos.world.scenes.scene import Block, Crossing, Disc, Obstacle, Pose, Scene, box
 
 _DIGITS = 3
 

@@ -4,7 +4,7 @@ from shapely import LineString, MultiLineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from rtron.demos.world.scene import Disc, Obstacle, Scene
+from rtron.demos.world.scenes.scene import Disc, Obstacle, Scene
 
 
 def shape(obstacle: Obstacle) -> BaseGeometry:

@@ -1,4 +1,4 @@
-from rtron.functions.reading.read import read_repositories
-from rtron.functions.reading.skipped import Note, Skipped
+from rtron.functions.reading.repositories import read_repositories
+from rtron.functions.reading.skipped_entries import Note, Skipped
 
 __all__ = ["Note", "Skipped", "read_repositories"]

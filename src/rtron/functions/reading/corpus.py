@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rtron.functions.reading import fields
-from rtron.functions.reading.lines import Document, json_lines
-from rtron.functions.reading.skipped import Note, UnreadableError, kept
+from rtron.functions.reading.json_lines import Document, json_lines
+from rtron.functions.reading.skipped_entries import Note, UnreadableError, kept
 from rtron.functions.repository import Package, Repository
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.functions.reading import fields
-from rtron.functions.reading.lines import Document
-from rtron.functions.reading.skipped import Note, kept
+from rtron.functions.reading.json_lines import Document
+from rtron.functions.reading.skipped_entries import Note, kept
 from rtron.functions.reading.yaml_file import read_yaml
 from rtron.functions.repository import Package, Repository
 

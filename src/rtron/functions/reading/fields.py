@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any, TypeVar
 
-from rtron.functions.reading.lines import Document
-from rtron.functions.reading.skipped import Note, Skipped, UnreadableError
+from rtron.functions.reading.json_lines import Document
+from rtron.functions.reading.skipped_entries import Note, Skipped, UnreadableError
 
 MAX_NAME = 256
 MAX_TEXT = 64 * 2**10

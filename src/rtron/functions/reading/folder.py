@@ -10,7 +10,7 @@ from rtron.folders import is_there, walk
 from rtron.functions.reading import fields
 from rtron.functions.reading.package_xml import MANIFEST, read_package
 from rtron.functions.reading.readme import find_readme, read_readme
-from rtron.functions.reading.skipped import Note, Skipped, kept
+from rtron.functions.reading.skipped_entries import Note, Skipped, kept
 from rtron.functions.repository import Repository
 
 MAX_FOLDERS = 200_000

@@ -4,11 +4,11 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.functions.reading.fields import MAX_NAME
-from rtron.functions.reading.skipped import UnreadableError
+from rtron.functions.reading.skipped_entries import UnreadableError
 from rtron.functions.repository import Package
-from rtron.sources.launch.document import Element, parse_xml
-from rtron.sources.workspace.files import is_inside
+from rtron.sources.launch.common.xml_document import Element, parse_xml
 from rtron.sources.workspace.manifest import as_manifest
+from rtron.sources.workspace.package_files import is_inside
 
 MANIFEST = "package.xml"
 

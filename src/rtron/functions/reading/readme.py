@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from rtron.functions.reading.fields import MAX_TEXT
-from rtron.functions.reading.skipped import Note, Skipped
-from rtron.sources.workspace.files import is_inside, is_regular
+from rtron.functions.reading.skipped_entries import Note, Skipped
+from rtron.sources.workspace.package_files import is_inside, is_regular
 
 _ENDINGS = (".md", ".markdown", ".rst", ".txt", "")
 

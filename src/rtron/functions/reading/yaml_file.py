@@ -6,7 +6,7 @@ from typing import Any
 import yaml
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_bounded
+from rtron.sources.bounded_file import read_bounded
 
 MAX_BYTES = 4 * 2**20
 MAX_EVENTS = 250_000

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.functions.information.names import name_tokens
-from rtron.functions.information.sentences import sentences
+from rtron.functions.text.names import name_tokens
+from rtron.functions.text.sentences import sentences
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rtron.functions.matching.tokens import Tokens
     from rtron.functions.rules.rule import Rule
+    from rtron.functions.text.tokens import Tokens
 
 _MOST_SENTENCES = 3
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from rtron.functions.classification import Piece
+from rtron.functions.classifier.result import Piece
 from rtron.vocabulary import FunctionType  # noqa: TC001 - pydantic reads it
 
 Text = Annotated[str, Field(min_length=1, max_length=2000)]

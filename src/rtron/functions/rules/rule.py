@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.functions.matching.nodes import matches
+from rtron.functions.patterns.syntax_tree import matches
 
 if TYPE_CHECKING:
-    from rtron.functions.classification import Piece
-    from rtron.functions.matching.nodes import Node
-    from rtron.functions.matching.tokens import Tokens
+    from rtron.functions.classifier.result import Piece
+    from rtron.functions.patterns.syntax_tree import Node
+    from rtron.functions.text.tokens import Tokens
     from rtron.vocabulary import FunctionType
 
 

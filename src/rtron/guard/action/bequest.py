@@ -1,8 +1,8 @@
 """What a guard leaves to the next one about the goals of an action."""
 
-from rtron.guard.transport.transport import Transport
-from rtron.guard.will import Will
-from rtron.policies.goals import Goals
+from rtron.guard.core.handover_state import Will
+from rtron.guard.transport.common.protocol import Transport
+from rtron.policies.goals.registry import Goals
 from rtron.vocabulary import SECOND
 
 _KEEP_AFTER = SECOND // 100

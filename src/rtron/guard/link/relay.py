@@ -12,14 +12,14 @@ from contextlib import suppress
 from dataclasses import replace
 
 from rtron.errors import RTronError, SourceError
-from rtron.guard.link.kept import keep_settings, read_settings
-from rtron.guard.link.mouth import Mouth
+from rtron.guard.link.event_counter import forget_run, former_runs
+from rtron.guard.link.line_writer import Mouth
 from rtron.guard.link.options import LinkOptions
-from rtron.guard.link.post import Post
-from rtron.guard.link.runs import forget_run, former_runs
+from rtron.guard.link.service_connection import Post
+from rtron.guard.link.settings_file import keep_settings, read_settings
 from rtron.guard.link.spool import Spool
 from rtron.vocabulary import GuardEvent, Settings
-from rtron.wire.link import (
+from rtron.wire.common.link_protocol import (
     LONGEST,
     Applied,
     Events,

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
+from rtron.guard.core.observations import ActionJudge, action_judge, looking_into
 from rtron.guard.judging import Judges
-from rtron.guard.senses import ActionJudge, action_judge, looking_into
-from rtron.policies.rule_block import Judgement
+from rtron.policies.mission.rule_block import Judgement
 from rtron.vocabulary import MSRCN, GuardedTopic, Plan, Rule, normalise_type
 
 

@@ -3,10 +3,10 @@
 import logging
 from collections.abc import Iterator, Mapping
 
-from rtron.guard.host import Host
-from rtron.guard.override import Overridable, Override
-from rtron.guard.overriding import LONGEST, on_one_line
-from rtron.guard.transport.transport import Transport
+from rtron.guard.core.coordinator import Host
+from rtron.guard.core.override_policy import Overridable, Override
+from rtron.guard.settings.overrides import LONGEST, on_one_line
+from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND, TimedOverride
 
 log = logging.getLogger(__name__)

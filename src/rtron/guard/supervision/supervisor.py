@@ -7,20 +7,20 @@ import signal
 from collections.abc import Iterable
 
 from rtron.errors import SourceError
-from rtron.guard.audit.shown import shown
-from rtron.guard.loop import Loop
-from rtron.guard.seldom import Seldom
-from rtron.guard.supervision.adoption import LEAVE
-from rtron.guard.supervision.brakes import Brakes
-from rtron.guard.supervision.companion import Companion
-from rtron.guard.supervision.keeper import STARVED, Act, Keeper, Phase, Sign
-from rtron.guard.supervision.names import is_running
-from rtron.guard.supervision.order import Order, stopped_streams
-from rtron.guard.supervision.page import Field, Page
-from rtron.guard.supervision.ward import Ward, adopt, spawn
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.log_throttle import Seldom
+from rtron.guard.core.printable import shown
+from rtron.guard.supervision.guard_config import Order, stopped_streams
+from rtron.guard.supervision.guard_process import Ward, adopt, spawn
+from rtron.guard.supervision.guard_socket import is_running
+from rtron.guard.supervision.link_process import Companion
+from rtron.guard.supervision.shared_memory import Field, Page
+from rtron.guard.supervision.stream_brakes import Brakes
+from rtron.guard.supervision.supervisor_fsm import STARVED, Act, Keeper, Phase, Sign
+from rtron.guard.supervision.supervisor_handover import LEAVE
 from rtron.guard.supervision.watchdog import LOOK, Watchdog
-from rtron.guard.transport.choosing import open_transport
-from rtron.guard.transport.ros1.transport import Ros1Transport
+from rtron.guard.transport.factory import open_transport
+from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)

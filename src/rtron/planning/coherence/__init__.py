@@ -7,7 +7,7 @@ from rtron.planning.coherence.flows import Misfit, repeated, same_topic
 from rtron.planning.coherence.grcn import grcn_misfits
 from rtron.planning.coherence.msrcn import msrcn_misfits
 from rtron.planning.coherence.rsrcn import rsrcn_misfits
-from rtron.planning.coherence.shared import action_misfits, shared_misfits
+from rtron.planning.coherence.shared_topics import action_misfits, shared_misfits
 from rtron.vocabulary import (
     GRCN,
     MSRCN,

@@ -3,10 +3,10 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain, islice
 
-from rtron.planning.coherence.areas import polygon_misfit
 from rtron.planning.coherence.flows import Misfit, guarded_misfits, policy_misfit, repeated
-from rtron.planning.coherence.obligations import required_misfits
-from rtron.planning.faults import suggestion
+from rtron.planning.coherence.polygons import polygon_misfit
+from rtron.planning.coherence.required_flows import required_misfits
+from rtron.planning.plan_file.problems import suggestion
 from rtron.vocabulary import MSRCN, Area, EventFlow, PolicyName, Rule, Transform, normalise_type
 
 MOST_AREAS = 100

@@ -11,8 +11,8 @@ import httpx
 from anyio import sleep, to_thread
 from sqlalchemy.exc import SQLAlchemyError
 
-from rtron.service.alerts.post import CallError, Letter, post
-from rtron.service.clock import Clock
+from rtron.service.alerts.webhook_call import CallError, Letter, post
+from rtron.service.domain.clock import Clock
 from rtron.service.store.tables import WebhookRow
 from rtron.vocabulary import Level
 

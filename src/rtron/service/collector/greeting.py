@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from rtron.vocabulary import Settings
-from rtron.wire.link import Applied, Hello
+from rtron.wire.common.link_protocol import Applied, Hello
 
 
 class Greeting(Protocol):

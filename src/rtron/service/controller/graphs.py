@@ -9,17 +9,17 @@ from rtron.errors import InputError, RTronError
 from rtron.reports.html_data import page_data
 from rtron.reports.risks_json import risks_to_json
 from rtron.risks import discover
-from rtron.service.api.credentials import Caller
-from rtron.service.clock import Clock
-from rtron.service.controller.app_graph import planned_graph
-from rtron.service.controller.greetings import store_risk_models
-from rtron.service.controller.known import Known, find_known
+from rtron.service.api.auth.authentication import Caller
+from rtron.service.controller.handshake import store_risk_models
+from rtron.service.controller.robot_snapshot import Known, find_known
+from rtron.service.domain.clock import Clock
+from rtron.service.domain.planned_graph import planned_graph
 from rtron.service.store.audit import record, record_often
 from rtron.service.store.database import Database
 from rtron.service.store.graphs import find_graph, store_graph
 from rtron.service.store.tables import GraphRow
 from rtron.sources.graph_json import graph_to_json, parse_graph
-from rtron.vocabulary import InteractionGraph, RiskReport, effective
+from rtron.vocabulary import InteractionGraph, RiskReport, effective_plan
 
 MOST_ENDPOINTS = 20_000
 MOST_RISKS = 5_000
@@ -58,7 +58,7 @@ def graph_page(session: Session, robot: str) -> dict[str, Any]:
     """
     known = find_known(session, robot)
     graph, row = _graph(session, known)
-    page = page_data(graph, discover(graph), effective(known.plan, known.settings))
+    page = page_data(graph, discover(graph), effective_plan(known.plan, known.settings))
     return {
         "source": "uploaded" if row else "plan",
         "uploaded": row.uploaded if row else None,

@@ -11,7 +11,7 @@ from sqlalchemy.exc import ArgumentError
 from sqlalchemy.orm import Session
 
 from rtron.errors import InputError
-from rtron.service.store.migrate import migrate
+from rtron.service.store.schema_migration import migrate
 
 _BUSY_S = 30
 _ANSWER_S = 60

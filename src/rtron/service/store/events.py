@@ -8,8 +8,8 @@ from sqlalchemy import Insert, Table, or_, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
-from rtron.service.api.models import EventView
-from rtron.service.store.rows import row, view
+from rtron.service.domain.schemas import EventView
+from rtron.service.store.event_rows import row, view
 from rtron.service.store.tables import CoordinationNodeRow, EventRow, RobotRow
 from rtron.vocabulary import Decision, EventKind, GuardEvent, Level
 

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.sources.bag.messages import read_messages
-from rtron.sources.bag.reading import BagConnection, BagReading
+from rtron.sources.bag.common.reader import BagConnection, BagReading
+from rtron.sources.bag.formats import read_messages
 from rtron.sources.bag.silent_actions import actions_in_bag
 from rtron.vocabulary import (
     Direction,

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from rtron.sources.actions import PARTS, actions_among
+from rtron.sources.live.ros1.actions import PARTS, actions_among
 from rtron.vocabulary import Action, Direction, Endpoint
 
 _GOAL, _STATUS, _RESULT = "goal", "status", "result"

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_found
-from rtron.sources.workspace.package import Target, TargetKind
+from rtron.sources.bounded_file import read_found
+from rtron.sources.workspace.package_contents import Target, TargetKind
 
 MAX_BYTES = 4 * 2**20
 MAX_KEPT = 64 * 2**20

@@ -2,11 +2,7 @@
 
 from collections.abc import Iterator
 
-from rtron.sources.code.interpreter.arguments import Arguments
-from rtron.sources.code.interpreter.calling import dispatch
-from rtron.sources.code.interpreter.frame import Frame
-from rtron.sources.code.interpreter.machine import Machine, StepsExceededError, ThrownError
-from rtron.sources.code.interpreter.values import (
+from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     Foreign,
     FunctionValue,
@@ -15,8 +11,16 @@ from rtron.sources.code.interpreter.values import (
     NativeClass,
     Value,
 )
+from rtron.sources.code.interpreter.execution.abstract_machine import (
+    Machine,
+    StepsExceededError,
+    ThrownError,
+)
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.stack_frame import Frame
 from rtron.sources.code.ir import Class, Function
-from rtron.sources.code.words import called_words, written_names
+from rtron.sources.code.ir.references import called_words, written_names
 from rtron.vocabulary import Evidence
 
 API = frozenset(

@@ -3,9 +3,9 @@
 from collections import defaultdict
 from collections.abc import Iterable
 
-from rtron.sources.code.interpreter.machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import Machine
 from rtron.sources.code.ir import Function
-from rtron.sources.code.words import called_words
+from rtron.sources.code.ir.references import called_words
 from rtron.vocabulary import Evidence
 
 JOINS = frozenset(

@@ -7,7 +7,7 @@ from rtron.sources.gazebo.joints import (
     joints_of,
     transmissions_of,
 )
-from rtron.sources.gazebo.plugin import (
+from rtron.sources.gazebo.plugins import (
     GazeboPlugin,
     PluginScope,
     PluginValue,

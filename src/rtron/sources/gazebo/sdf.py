@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from rtron.sources.bounded import read_found
-from rtron.sources.launch.document import MAX_BYTES
+from rtron.sources.bounded_file import read_found
+from rtron.sources.launch.common.xml_document import MAX_BYTES
 from rtron.sources.xacro import XmlElement, parse_element, read_element
 
 _BEFORE = re.compile(r"\s+|<!--.*?-->", re.DOTALL)

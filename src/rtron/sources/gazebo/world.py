@@ -7,10 +7,10 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import is_there
-from rtron.sources.gazebo.plugin import GazeboPlugin, PluginScope, Surrounding, read_plugin
+from rtron.sources.gazebo.plugins import GazeboPlugin, PluginScope, Surrounding, read_plugin
 from rtron.sources.gazebo.sdf import read_sdf
-from rtron.sources.launch.packages import PackageIndex
-from rtron.sources.workspace.files import is_inside
+from rtron.sources.launch.common.packages import PackageIndex
+from rtron.sources.workspace.package_files import is_inside
 from rtron.sources.xacro import XmlElement
 from rtron.vocabulary import Evidence, Unresolved
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from rtron.sources.launch2.parameters import names
-from rtron.sources.models.scope import Scope
-from rtron.sources.models.values import Hole, Value, known
+from rtron.sources.launch.ros2.parameters.merge import names
+from rtron.sources.models.common.model_scope import Scope
+from rtron.sources.models.common.values import Hole, Value, known
 from rtron.vocabulary import ParameterValue
 
 MAX_CHILDREN = 1000

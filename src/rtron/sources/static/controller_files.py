@@ -4,10 +4,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_found
+from rtron.sources.bounded_file import read_found
 from rtron.sources.declaration import NodeSite
-from rtron.sources.launch.yaml_text import parse_yaml, plain
-from rtron.sources.workspace.files import is_regular
+from rtron.sources.launch.common.yaml_tree import parse_yaml, plain
+from rtron.sources.workspace.package_files import is_regular
 from rtron.vocabulary import Evidence, Parameter, Parameters
 from rtron.vocabulary.launch import canonical_name
 

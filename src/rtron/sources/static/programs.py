@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rtron.sources.declaration import NodeSite
-from rtron.sources.static.task import Task, TaskKind
+from rtron.sources.static.common.task import Task, TaskKind
 from rtron.sources.workspace import Language, Program, Workspace
-from rtron.sources.workspace.package import TargetKind
+from rtron.sources.workspace.catalog import NODELET
+from rtron.sources.workspace.package_contents import TargetKind
 from rtron.sources.workspace.scripts import is_executable, language
-from rtron.sources.workspace.workspace import NODELET
 
 
 def programs(workspace: Workspace, folder: Path) -> Iterator[tuple[str, Task]]:

@@ -7,7 +7,7 @@ before a build; its share folder is the package.
 from collections.abc import Iterator
 from pathlib import Path
 
-from rtron.sources.code.reading import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceFiles
 
 _KINDS = frozenset({"prepend-non-duplicate", "prepend-non-duplicate-if-exists"})
 _SUFFIXES = (".dsv", ".dsv.in")

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator
 
-from rtron.sources.static.part import Part
+from rtron.sources.static.common.node_part import Part
 from rtron.vocabulary import Unresolved
 
 

@@ -5,13 +5,13 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.sources.launch.packages import find_packages
-from rtron.sources.static.cache import open_cache
-from rtron.sources.static.options import ScanOptions
-from rtron.sources.static.pool import Pool
-from rtron.sources.static.ros2_programs import ros2_programs
-from rtron.sources.static.structure import workspace_state
-from rtron.sources.static.task import Task, TaskResult
+from rtron.sources.launch.common.packages import find_packages
+from rtron.sources.static.common.cache import open_cache
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.common.task import Task, TaskResult
+from rtron.sources.static.common.worker_pool import Pool
+from rtron.sources.static.common.workspace_hash import workspace_state
+from rtron.sources.static.ros2.programs import ros2_programs
 from rtron.sources.workspace import Workspace
 
 

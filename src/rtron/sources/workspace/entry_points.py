@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_found
+from rtron.sources.bounded_file import read_found
 
 MAX_BYTES = 1024 * 1024
 

@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from rtron.sources.workspace.files import is_regular
+from rtron.sources.workspace.package_files import is_regular
 
 
 def folders_by_entry(folders: Iterable[Path]) -> Mapping[str, tuple[Path, ...]]:

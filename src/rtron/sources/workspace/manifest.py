@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.launch.document import Element, parse_xml
+from rtron.sources.launch.common.xml_document import Element, parse_xml
 from rtron.vocabulary import Evidence, Unresolved
 
 MAX_DESCRIPTION = 4096

@@ -1,6 +1,6 @@
 """The Python and C++ names that a package's message files bring (ROS wiki: msg, srv, actionlib)."""
 
-from rtron.sources.workspace.files import PackageFiles
+from rtron.sources.workspace.package_files import PackageFiles
 
 _ENDINGS = {
     ".msg": ("",),

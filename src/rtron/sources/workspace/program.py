@@ -4,7 +4,7 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.sources.bounded import content_hash
+from rtron.sources.bounded_file import content_hash
 from rtron.vocabulary import Word
 
 

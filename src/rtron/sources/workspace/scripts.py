@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from rtron.sources.workspace.files import PackageFiles
-from rtron.sources.workspace.package import PackageContents
+from rtron.sources.workspace.package_contents import PackageContents
+from rtron.sources.workspace.package_files import PackageFiles
 from rtron.sources.workspace.program import Language
 
 _PREFERRED = ("scripts", "nodes", "bin", "src")

@@ -1,8 +1,8 @@
 """xacro without ROS: robot descriptions evaluated, nothing of them executed."""
 
 from rtron.sources.xacro.descriptions import RobotDescriptions
-from rtron.sources.xacro.element import XmlElement, parse_element, read_element, xml_text
-from rtron.sources.xacro.evaluate import XacroResult, evaluate_xacro
+from rtron.sources.xacro.robot_description import XacroResult, evaluate_xacro
+from rtron.sources.xacro.xml_element import XmlElement, parse_element, read_element, xml_text
 
 __all__ = [
     "RobotDescriptions",

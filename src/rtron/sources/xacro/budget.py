@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from rtron.sources.launch.unresolvable import UnresolvableError
+from rtron.sources.launch.common.errors import UnresolvableError
 
 MAX_DEPTH = 100
 MAX_FILES = 500

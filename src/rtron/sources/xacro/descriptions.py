@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rtron.errors import InputError
-from rtron.sources.launch.packages import PackageIndex
-from rtron.sources.xacro.evaluate import XacroResult, evaluate_xacro
+from rtron.sources.launch.common.packages import PackageIndex
+from rtron.sources.xacro.robot_description import XacroResult, evaluate_xacro
 from rtron.vocabulary import UnknownValue
 
 _Key: TypeAlias = tuple[str, tuple[tuple[str, str], ...]]

@@ -12,17 +12,17 @@ from typing import ClassVar, TypeAlias
 
 from rtron.errors import InputError
 from rtron.folders import is_there
-from rtron.sources.launch.expression_words import Value
+from rtron.sources.launch.common.expression_library import Value
 from rtron.sources.xacro.budget import MAX_DEPTH
-from rtron.sources.xacro.calls import bind_blocks, bind_parameters, find_macro
-from rtron.sources.xacro.element import XMLNS, XmlElement, XmlNode, read_element
+from rtron.sources.xacro.evaluation_context import Surroundings
 from rtron.sources.xacro.files import included_files
 from rtron.sources.xacro.frame import Frame
 from rtron.sources.xacro.macro import Macro, read_macro
+from rtron.sources.xacro.macros import bind_blocks, bind_parameters, find_macro
 from rtron.sources.xacro.properties import define_property
-from rtron.sources.xacro.scope import truth
+from rtron.sources.xacro.scopes import truth
 from rtron.sources.xacro.statements import PREFIX, statement
-from rtron.sources.xacro.surroundings import Surroundings
+from rtron.sources.xacro.xml_element import XMLNS, XmlElement, XmlNode, read_element
 
 Handler: TypeAlias = Callable[["Evaluator", XmlElement, Frame], list[XmlNode]]
 

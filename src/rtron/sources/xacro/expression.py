@@ -10,11 +10,17 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial, singledispatchmethod
 
-from rtron.sources.launch.expression import Walk
-from rtron.sources.launch.expression_words import FUNCTIONS, MAX_LENGTH, Function, Value, bounded
-from rtron.sources.launch.unresolvable import UnresolvableError
+from rtron.sources.launch.common.errors import UnresolvableError
+from rtron.sources.launch.common.expression import Walk
+from rtron.sources.launch.common.expression_library import (
+    FUNCTIONS,
+    MAX_LENGTH,
+    Function,
+    Value,
+    bounded,
+)
 from rtron.sources.xacro.budget import MAX_WEIGHT, Budget
-from rtron.sources.xacro.scope import Namespace
+from rtron.sources.xacro.scopes import Namespace
 
 _CONSTANTS: Mapping[str, Value] = {
     "e": math.e,

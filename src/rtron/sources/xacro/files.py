@@ -5,7 +5,7 @@ import re
 from itertools import islice
 from pathlib import Path
 
-from rtron.sources.launch.unresolvable import UnresolvableError
+from rtron.sources.launch.common.errors import UnresolvableError
 
 MAX_MATCHES = 200
 

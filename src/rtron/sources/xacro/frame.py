@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from rtron.sources.xacro.scope import Scope
+from rtron.sources.xacro.scopes import Scope
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

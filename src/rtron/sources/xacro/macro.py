@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass, field
 
-from rtron.sources.xacro.element import XmlElement
+from rtron.sources.xacro.xml_element import XmlElement
 
 _DEFAULT = re.compile(
     r"\s*(?P<name>[^\s:=]+?)\s*:?=\s*(?P<forward>\^\|?)?"

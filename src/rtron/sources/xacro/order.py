@@ -6,10 +6,10 @@ a macro could be called above its definition (ROS wiki: xacro, processing order)
 
 from dataclasses import replace
 
-from rtron.sources.xacro.element import XmlElement, XmlNode
 from rtron.sources.xacro.evaluator import Evaluator
 from rtron.sources.xacro.frame import Frame
 from rtron.sources.xacro.statements import statement
+from rtron.sources.xacro.xml_element import XmlElement, XmlNode
 
 _DEFINITIONS = ("macro", "property")
 

@@ -1,8 +1,8 @@
 """`<xacro:property>`: a value, a default, a block, or the removal of one (ROS wiki: xacro)."""
 
-from rtron.sources.xacro.element import XmlElement
-from rtron.sources.xacro.scope import Scope, truth
-from rtron.sources.xacro.surroundings import Surroundings
+from rtron.sources.xacro.evaluation_context import Surroundings
+from rtron.sources.xacro.scopes import Scope, truth
+from rtron.sources.xacro.xml_element import XmlElement
 
 
 def define_property(around: Surroundings, element: XmlElement, symbols: Scope) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from rtron.sources.xacro.element import XmlElement
+from rtron.sources.xacro.xml_element import XmlElement
 
 PREFIX = "xacro:"
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rtron.sources.launch.expression_words import Value
+from rtron.sources.launch.common.expression_library import Value
 from rtron.sources.xacro.budget import Budget
 
 Part: TypeAlias = tuple[str, str]

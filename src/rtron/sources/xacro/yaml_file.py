@@ -6,8 +6,8 @@ from pathlib import Path
 
 import yaml
 
-from rtron.sources.bounded import read_bounded
-from rtron.sources.launch.expression_words import Value
+from rtron.sources.bounded_file import read_bounded
+from rtron.sources.launch.common.expression_library import Value
 
 MAX_BYTES = 256 * 1024
 MAX_MERGED = 20_000

@@ -11,8 +11,8 @@ from functools import lru_cache
 from importlib import import_module
 
 from rtron.errors import InputError, SourceError
-from rtron.messages.definition_text import parse_definition
-from rtron.messages.installed import MOST_READ, Place, place_of, read_text
+from rtron.messages.common.definition_parser import parse_definition
+from rtron.messages.ros2.installed_types import MOST_READ, Place, place_of, read_text
 
 _MOST_TYPES = 256
 

@@ -15,10 +15,10 @@ from rclpy.node import Node
 
 from rtron.errors import SourceError
 from rtron.vocabulary import PRIVATE_ROOT
-from rtron.wire.domain import domain_id
+from rtron.wire.ros2.domain_id import domain_id
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.sockets import roomy_sockets
+from rtron.wire.ros2.receive_buffers import roomy_sockets
 
 
 class Session:

@@ -2,7 +2,7 @@
 
 import logging
 
-from rtron.guard.guarded import GuardedStream
+from rtron.guard.core.stream import GuardedStream
 
 log = logging.getLogger(__name__)
 

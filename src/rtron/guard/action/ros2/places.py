@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.guard.action.ros2.ends import MOST_UNANSWERED, AnswerResult
+from rtron.guard.action.ros2.endpoints import MOST_UNANSWERED, AnswerResult
 from rtron.guard.action.ros2.task import Task
-from rtron.guard.transport.transport import Transport
-from rtron.guard.will import Will
+from rtron.guard.core.handover_state import Will
+from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND
 
 _KEEP_AFTER = SECOND // 100

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from rtron.guard.action.ros2.ends import MOST_UNANSWERED, AnswerGoal, AnswerResult
-from rtron.policies.goals import Goal
+from rtron.guard.action.ros2.endpoints import MOST_UNANSWERED, AnswerGoal, AnswerResult
+from rtron.policies.goals.registry import Goal
 
 
 @dataclass(slots=True, eq=False)

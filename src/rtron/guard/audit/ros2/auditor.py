@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.response import Response
-from rtron.guard.audit.ros2.alarms import doubles, drifts, strangers
-from rtron.guard.audit.ros2.cases import Cases
-from rtron.guard.audit.ros2.kin import Kin
-from rtron.guard.audit.ros2.reading import Reader
-from rtron.guard.audit.ros2.seen import EVERYBODY, Seen
-from rtron.guard.audit.ros2.wanted import Wanted, is_service
-from rtron.guard.audit.standing import Standing
-from rtron.guard.transport.ros2.lives import Lives
+from rtron.guard.audit.common.alarm_response import Response
+from rtron.guard.audit.common.braking_alarms import Cases
+from rtron.guard.audit.common.debounced_alarms import Standing
+from rtron.guard.audit.ros2.expected_graph import Wanted, is_service
+from rtron.guard.audit.ros2.graph_alarms import doubles, drifts, strangers
+from rtron.guard.audit.ros2.graph_reader import Reader
+from rtron.guard.audit.ros2.observed_graph import EVERYBODY, Seen
+from rtron.guard.audit.ros2.supervisor_participants import Kin
+from rtron.guard.transport.ros2.participants import Lives
 from rtron.vocabulary import GUARD_NODE, SECOND, Plan
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rtron.guard.audit.ros2.foreign import Participants
-    from rtron.guard.host import Host
-    from rtron.guard.loop import Loop
-    from rtron.guard.transport.ros2.transport import Ros2Transport
+    from rtron.guard.audit.ros2.endpoint_checks import Participants
+    from rtron.guard.core.coordinator import Host
+    from rtron.guard.core.event_loop import Loop
+    from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 _DRIFT_PATIENCE = 3 * SECOND

@@ -10,8 +10,9 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.expectations import Entrance, meant
-from rtron.guard.audit.ros2.foreign import (
+from rtron.guard.audit.ros1.expected_graph import Entrance, meant
+from rtron.guard.audit.ros1.verification import Path, PathState, Verification
+from rtron.guard.audit.ros2.endpoint_checks import (
     Participants,
     deaf,
     foreign,
@@ -22,16 +23,15 @@ from rtron.guard.audit.ros2.foreign import (
     unfit,
     unplanned_listeners,
 )
-from rtron.guard.audit.ros2.unguarded import unguarded
-from rtron.guard.audit.ros2.wanted import Wanted
-from rtron.guard.audit.verification import Path, PathState, Verification
-from rtron.guard.supervision.order import stopped_streams
+from rtron.guard.audit.ros2.expected_graph import Wanted
+from rtron.guard.audit.ros2.unguarded_interfaces import unguarded
+from rtron.guard.supervision.guard_config import stopped_streams
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rtron.guard.audit.ros2.seen import Seen
+    from rtron.guard.audit.ros2.observed_graph import Seen
     from rtron.vocabulary import Plan, PlannedTopic
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 

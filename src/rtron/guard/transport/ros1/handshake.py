@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtron.errors import WireError
+from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.guard.transport.ros1.tuning import tune
-from rtron.guard.transport.transport import Peer, TypeInfo
-from rtron.wire.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
-from rtron.wire.xmlrpc import call, ros_call
+from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
+from rtron.wire.ros1.xmlrpc import call, ros_call
 
 PATIENCE_S = 3.0
 """How long a publisher may take for each step, seconds."""

@@ -8,10 +8,10 @@ import os
 import socket
 from typing import TYPE_CHECKING, Any
 
-from rtron.guard.loop import Loop
-from rtron.guard.transport.ros1.http import XmlRpcConnection
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.transport.ros1.http_connection import XmlRpcConnection
 from rtron.guard.transport.ros1.tcp_server import TcpServer
-from rtron.wire.address import bind_host
+from rtron.wire.ros1.host_address import bind_host
 
 if TYPE_CHECKING:
     from collections.abc import Callable

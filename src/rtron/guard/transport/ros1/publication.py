@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 
-from rtron.guard.transport.backlog import Backlog
+from rtron.guard.transport.common.backlog import Backlog
+from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
-from rtron.guard.transport.transport import TypeInfo
 from rtron.vocabulary import QoS
 
 _AWAIT_FIRST_NS = 1_000_000_000

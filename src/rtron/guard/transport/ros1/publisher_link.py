@@ -6,10 +6,10 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 
 from rtron.errors import RTronError, WireError
-from rtron.guard.loop import Loop
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.transport.common.protocol import Connect, Lost, Peer, Receive
 from rtron.guard.transport.ros1.handshake import Wish, connect
-from rtron.guard.transport.transport import Connect, Lost, Peer, Receive
-from rtron.wire.tcpros import FrameReader
+from rtron.wire.ros1.tcpros import FrameReader
 
 log = logging.getLogger(__name__)
 

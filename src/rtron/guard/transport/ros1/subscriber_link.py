@@ -5,9 +5,9 @@ import socket
 from collections.abc import Callable
 
 from rtron.errors import WireError
-from rtron.guard.loop import Loop
-from rtron.guard.transport.backlog import Backlog
-from rtron.wire.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.transport.common.backlog import Backlog
+from rtron.wire.ros1.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
 
 log = logging.getLogger(__name__)
 

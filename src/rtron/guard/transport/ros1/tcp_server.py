@@ -4,7 +4,7 @@ import logging
 import socket
 from collections.abc import Callable
 
-from rtron.guard.loop import Loop
+from rtron.guard.core.event_loop import Loop
 from rtron.guard.transport.ros1.tuning import tune
 
 log = logging.getLogger(__name__)

@@ -9,8 +9,8 @@ from action_msgs.srv import CancelGoal
 from rclpy.qos import qos_profile_services_default
 
 from rtron.errors import WireError
-from rtron.guard.transport.ros2.action_front import goal_info
-from rtron.guard.transport.ros2.requests import Requests
+from rtron.guard.transport.ros2.action_server import goal_info
+from rtron.guard.transport.ros2.service_calls import Requests
 from rtron.vocabulary import ActionEnd, end_name
 
 if TYPE_CHECKING:

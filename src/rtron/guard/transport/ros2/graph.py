@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any
 from rclpy.impl.implementation_singleton import rclpy_implementation as implementation
 
 from rtron.errors import WireError
-from rtron.guard.seldom import Seldom
-from rtron.guard.transport.ros2.listing import Listing
+from rtron.guard.core.log_throttle import Seldom
+from rtron.guard.transport.ros2.graph_query import Listing
 from rtron.vocabulary import GUARD_NODE, SECOND, Direction
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from rtron.guard.loop import Loop
+    from rtron.guard.core.event_loop import Loop
     from rtron.guard.transport.ros2.rcl import Rcl
     from rtron.wire.ros2.endpoints import Ros2Endpoint
     from rtron.wire.ros2.session import Session

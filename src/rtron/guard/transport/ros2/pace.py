@@ -10,7 +10,7 @@ from rtron.vocabulary import SECOND
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rtron.guard.loop import Loop
+    from rtron.guard.core.event_loop import Loop
 
 AT_ONCE = 8
 """So many answers go at once, and so many more after each pause."""

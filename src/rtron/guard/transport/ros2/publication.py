@@ -11,7 +11,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from rtron.guard.transport.backlog import Backlog
+from rtron.guard.transport.common.backlog import Backlog
 from rtron.guard.transport.ros2.qos import kept, momentary, profile, strongest
 from rtron.guard.transport.ros2.writer import Writer
 from rtron.vocabulary import SECOND, Durability, QoS, names_node, normalise_type
@@ -20,8 +20,8 @@ from rtron.wire.ros2.interfaces import interface
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-    from rtron.guard.transport.ros2.surroundings import Surroundings
-    from rtron.guard.transport.transport import TypeInfo
+    from rtron.guard.transport.common.protocol import TypeInfo
+    from rtron.guard.transport.ros2.context import Surroundings
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 log = logging.getLogger(__name__)

@@ -13,9 +13,9 @@ from ctypes import addressof, c_int, c_int64, c_uint8, c_uint64, c_void_p
 from typing import Any
 
 from rtron.errors import WireError
+from rtron.wire.ros2.c_structures import function
 from rtron.wire.ros2.endpoints import GID_SIZE
-from rtron.wire.ros2.serialized import Room, Serialized
-from rtron.wire.ros2.structures import function
+from rtron.wire.ros2.serialized_message import Room, Serialized
 
 _OK, _NOTHING = 0, 401
 _INFO_SIZE = 256

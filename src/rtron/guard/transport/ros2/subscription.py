@@ -14,11 +14,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError, WireError
-from rtron.guard.seldom import Seldom
-from rtron.guard.transport.ros2.reader import Reader
-from rtron.guard.transport.transport import Peer, TypeInfo
-from rtron.messages.definition_text import parse_definition
-from rtron.messages.whole import whole
+from rtron.guard.core.log_throttle import Seldom
+from rtron.guard.transport.common.protocol import Peer, TypeInfo
+from rtron.guard.transport.ros2.data_reader import Reader
+from rtron.messages.common.definition_parser import parse_definition
+from rtron.messages.ros2.cdr_validator import whole
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, names_node, normalise_type
 from rtron.wire.ros2.endpoints import PARTICIPANT
 from rtron.wire.ros2.interfaces import Interface, interface
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from rtron.guard.transport.ros2.surroundings import Surroundings
-    from rtron.guard.transport.transport import Connect, Lost, Momentary, Receive
+    from rtron.guard.transport.common.protocol import Connect, Lost, Momentary, Receive
+    from rtron.guard.transport.ros2.context import Surroundings
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 log = logging.getLogger(__name__)

@@ -11,7 +11,7 @@ from pathlib import Path
 from pprint import pformat
 
 from rtron.errors import InputError
-from rtron.planning.instrument.wiring import private_names
+from rtron.planning.instrument.common.remaps import private_names
 from rtron.vocabulary import Stream
 
 PrivateNames = Mapping[str, Mapping[str, str]]

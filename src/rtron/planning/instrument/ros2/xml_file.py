@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr, unescape
 
 from rtron.errors import InputError
-from rtron.planning.instrument.launch_text import LaunchText
+from rtron.planning.instrument.common.xml_spans import Span, spans
+from rtron.planning.instrument.common.xml_text import LaunchText
+from rtron.planning.instrument.ros1.source_text import PLAIN, in_utf8
 from rtron.planning.instrument.ros2.launch_file import Rule, Start, early
-from rtron.planning.instrument.source_text import PLAIN, in_utf8
-from rtron.planning.instrument.spans import Span, spans
 
 _DIRNAME = re.compile(rb"\$\( *dirname *\)")
 _FILENAME = re.compile(rb"\$\( *filename *\)")

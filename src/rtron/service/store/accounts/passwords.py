@@ -8,7 +8,7 @@ from threading import BoundedSemaphore
 from argon2 import PasswordHasher
 from argon2.exceptions import Argon2Error, InvalidHashError
 
-from rtron.service.errors import TooManyError
+from rtron.service.domain.errors import TooManyError
 
 _AT_A_TIME = 2
 _WAITING = 8

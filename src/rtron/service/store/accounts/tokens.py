@@ -7,8 +7,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from rtron.errors import InputError
-from rtron.service.api.models import Scope
-from rtron.service.errors import ConflictError, NotFoundError
+from rtron.service.domain.errors import ConflictError, NotFoundError
+from rtron.service.domain.schemas import Scope
 from rtron.service.store.accounts.secrets import digest, new_secret
 from rtron.service.store.tables import TokenRow
 

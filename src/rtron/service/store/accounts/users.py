@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
-from rtron.service.api.models import UserRole
-from rtron.service.errors import ConflictError, NotFoundError
+from rtron.service.domain.errors import ConflictError, NotFoundError
+from rtron.service.domain.schemas import UserRole
 from rtron.service.store.accounts.logins import end_logins
 from rtron.service.store.tables import UserRow
 

@@ -6,6 +6,11 @@ what a front end does not understand becomes an `Opaque` with the expressions in
 calls in it are still seen.
 """
 
+from rtron.sources.code.ir.declarations import (
+    Class,
+    Function,
+    Param,
+)
 from rtron.sources.code.ir.expressions import (
     Attr,
     Binary,
@@ -25,11 +30,6 @@ from rtron.sources.code.ir.expressions import (
     Sequence,
     Star,
     Unary,
-)
-from rtron.sources.code.ir.functions import (
-    Class,
-    Function,
-    Param,
 )
 from rtron.sources.code.ir.statements import (
     Assign,

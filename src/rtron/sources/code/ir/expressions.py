@@ -6,7 +6,7 @@ from rtron.sources.code.ir.types import TypeRef
 from rtron.sources.code.record import record
 
 if TYPE_CHECKING:
-    from rtron.sources.code.ir.functions import Function
+    from rtron.sources.code.ir.declarations import Function
     from rtron.sources.code.ir.statements import Declare
 
 

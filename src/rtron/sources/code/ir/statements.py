@@ -7,7 +7,7 @@ from rtron.sources.code.ir.types import TypeRef
 from rtron.sources.code.record import record
 
 if TYPE_CHECKING:
-    from rtron.sources.code.ir.functions import Class, Function
+    from rtron.sources.code.ir.declarations import Class, Function
 
 
 @record(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from dataclasses import field
 from enum import Enum
 
-from rtron.sources.code.ir.functions import Class, Function
+from rtron.sources.code.ir.declarations import Class, Function
 from rtron.sources.code.ir.statements import Stmt
 from rtron.sources.code.ir.types import TypeRef
 from rtron.sources.code.record import record

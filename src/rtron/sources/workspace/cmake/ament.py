@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
-from rtron.sources.workspace.cmake.call import Call, sections
+from rtron.sources.workspace.cmake.command_call import Call, sections
 from rtron.sources.workspace.cmake.targets import add_target
 from rtron.sources.workspace.cmake.values import Item
 from rtron.sources.workspace.cmake.variables import Handler
-from rtron.sources.workspace.package import Component, TargetKind
+from rtron.sources.workspace.package_contents import Component, TargetKind
 
 _WORDS = frozenset({"PLUGIN", "EXECUTABLE", "EXECUTOR", "RESOURCE_INDEX", "NODE_PREFIX"})
 _COMPILED = ("*.c", "*.cc", "*.cpp", "*.cxx")

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from rtron.sources.workspace.cmake.tokens import Command, Fault
+from rtron.sources.workspace.cmake.tokenizer import Command, Fault
 
 _OPENING = frozenset({"if", "foreach", "while", "macro", "function"})
 _CLOSING = {f"end{name}": name for name in _OPENING}

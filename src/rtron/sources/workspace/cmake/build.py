@@ -4,8 +4,8 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtron.sources.workspace.files import PackageFiles
-from rtron.sources.workspace.package import Component, Target, TargetKind
+from rtron.sources.workspace.package_contents import Component, Target, TargetKind
+from rtron.sources.workspace.package_files import PackageFiles
 from rtron.vocabulary import Evidence, Unresolved
 
 MAX_NOTES = 200

@@ -5,21 +5,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded import read_found
+from rtron.sources.bounded_file import read_found
 from rtron.sources.workspace.cmake.ament import AMENT_COMMANDS
-from rtron.sources.workspace.cmake.binding import bound, loop_values, restore
 from rtron.sources.workspace.cmake.blocks import Block, Branch, Statement, nest
 from rtron.sources.workspace.cmake.build import Build
-from rtron.sources.workspace.cmake.call import Budget, Call, Scope
+from rtron.sources.workspace.cmake.command_call import Budget, Call, Scope
 from rtron.sources.workspace.cmake.condition import Facts, Truth, holds
 from rtron.sources.workspace.cmake.joining import join
-from rtron.sources.workspace.cmake.parsing import PARSING_COMMANDS
+from rtron.sources.workspace.cmake.keyword_arguments import PARSING_COMMANDS
 from rtron.sources.workspace.cmake.targets import TARGET_COMMANDS
-from rtron.sources.workspace.cmake.tokens import Argument, Command, read_commands
+from rtron.sources.workspace.cmake.tokenizer import Argument, Command, read_commands
 from rtron.sources.workspace.cmake.values import BoundsError, Item, Value, items, split
+from rtron.sources.workspace.cmake.variable_scope import bound, loop_values, restore
 from rtron.sources.workspace.cmake.variables import VARIABLE_COMMANDS
-from rtron.sources.workspace.files import PackageFiles
-from rtron.sources.workspace.package import PackageContents
+from rtron.sources.workspace.package_contents import PackageContents
+from rtron.sources.workspace.package_files import PackageFiles
 from rtron.vocabulary import Evidence
 
 MAX_BYTES = 1024 * 1024

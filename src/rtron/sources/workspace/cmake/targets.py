@@ -6,10 +6,10 @@ from functools import partial
 from pathlib import Path
 
 from rtron.sources.workspace.cmake.build import flags
-from rtron.sources.workspace.cmake.call import Call, sections
+from rtron.sources.workspace.cmake.command_call import Call, sections
 from rtron.sources.workspace.cmake.values import split
 from rtron.sources.workspace.cmake.variables import Handler
-from rtron.sources.workspace.package import TargetKind
+from rtron.sources.workspace.package_contents import TargetKind
 
 _EXECUTABLE = (
     *("add_executable", "cuda_add_executable", "cs_add_executable", "cs_cuda_add_executable"),

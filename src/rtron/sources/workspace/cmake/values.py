@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rtron.sources.workspace.cmake.tokens import Argument
+from rtron.sources.workspace.cmake.tokenizer import Argument
 
 MAX_LENGTH = 256 * 1024
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeAlias
 
-from rtron.sources.workspace.cmake.call import Call
+from rtron.sources.workspace.cmake.command_call import Call
 from rtron.sources.workspace.cmake.values import MAX_LENGTH, BoundsError, Value, split
 
 Handler: TypeAlias = Callable[[Call], None]

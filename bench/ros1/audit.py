@@ -1,0 +1,155 @@
+"""How soon the guard's audit finds each intrusion.
+
+The time begins when the intruder accepts the guarded node's connection, and ends when the alarm
+stands in the guard's log, which is read every ms. rospy shows a connection before it is made: then
+the alarm may come first.
+"""
+
+import random
+import signal
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from bench.audited import OUT
+from bench.common.log_watcher import Watched
+from bench.common.plans import grcn
+from bench.common.testbed import Site, python, running, site
+from bench.common.workload import AUDIT_RUNS
+from bench.part import Say
+from bench.ros1.intruder import Intruder
+from bench.ros1.routes import PUBLISHER
+from figures.figure import Figure
+from rtron.errors import RTronError
+from rtron.planning.plan_file.writer import write_plan
+from rtron.vocabulary import Plan
+from rtron.wire.ros1.xmlrpc import ros_call
+
+_T = TypeVar("_T")
+_DRIVER = "/bench_driver"
+_GUARD = "/rtron/grcn_cmd_vel"
+_AT_MOST_MS = 100.0
+_LIMIT_S = 20.0
+_TOLD = {"impostor": "alarm:"}
+"""What is waited for in the log: an impostor may be dropped before it is heard."""
+_PHASE_S = 0.2
+"""The audit's rounds are not to fall in step with the intrusions."""
+_ROGUE = "/bench_rogue"
+DRIVERS = {
+    "rospy": ["/usr/bin/python3", "tests/ros1/nodes/driver.py", "/dev/null", f"/cmd_vel:={OUT}"],
+    "roscpp": ["/usr/lib/topic_tools/relay", OUT, "/driven"],
+}
+"""A node behind the guard, of each client library."""
+
+
+def figures(here: Site, say: Say) -> Iterator[Figure]:
+    """Give median and maximum for each intrusion at a node of each client library."""
+    for library in DRIVERS:
+        with _scene(here, library) as scene:
+            for name in ("rogue", "ghost", "impostor", "late", "second_master"):
+                say(f"{name} at a {library} node, {AUDIT_RUNS} times")
+                yield from _found(f"audit.{library}.{name}", _times(scene, name))
+
+
+@dataclass(slots=True)
+class Scene:
+    """A guard, a node behind it that can be started anew, another master, and the guard's log."""
+
+    here: Site
+    other: str
+    log: Watched
+    command: list[str]
+    stack: ExitStack
+
+    @property
+    def master(self) -> str:
+        """The address of the app's master."""
+        return self.here.environ["ROS_MASTER_URI"]
+
+    def start(self) -> None:
+        """Start the driver anew."""
+        self.stack.close()
+        self.stack.enter_context(running(self.here, self.command, signal.SIGINT))
+
+    def ready(self) -> str:
+        """Return the driver's address once it hears the guard and nobody else is there."""
+        return _wait(self._ready)
+
+    def _ready(self) -> str:
+        guard = ros_call(self.master, "lookupNode", "/bench", _GUARD, timeout=5)
+        driver: str = ros_call(self.master, "lookupNode", "/bench", _DRIVER, timeout=5)
+        rows = ros_call(driver, "getBusInfo", "/bench", timeout=5)
+        return driver if {row[1] for row in rows if row[4] == OUT} == {guard} else ""
+
+
+@contextmanager
+def _scene(here: Site, library: str) -> Iterator[Scene]:
+    node = replace(grcn("/cmd_vel", [PUBLISHER]), successors=(_DRIVER,))
+    path = here.folder / "audit.yaml"
+    path.write_text(write_plan(Plan(app="bench", grcn=(node,))), encoding="utf-8")
+    said = here.folder / "errors.log"
+    command = [*DRIVERS[library], f"__name:={_DRIVER[1:]}"]
+    with site() as other, running(here, python("bench.ros1.guard_process", str(path), "--audit")):
+        log, stack = Watched(said), ExitStack()
+        scene = Scene(here, other.environ["ROS_MASTER_URI"], log, command, stack)
+        scene.start()
+        yield scene
+        stack.close()
+        log.close()
+
+
+def _times(scene: Scene, name: str) -> list[float]:
+    """Intrude again and again; return how late each alarm was, ms."""
+    late, chance = [], random.Random(1)
+    for _ in range(AUDIT_RUNS):
+        uri = scene.ready()
+        time.sleep(chance.uniform(0.0, _PHASE_S))
+        if name == "late":
+            scene.stack.close()
+        began = time.monotonic_ns()
+        named = _GUARD if name == "impostor" else _ROGUE
+        with Intruder(named, OUT) as intruder:
+            _intrude(scene, name, intruder, uri)
+            _wait(lambda each=intruder: each.first)
+            told, _ = scene.log.wait(_TOLD.get(name, "hears"), began, _LIMIT_S)
+            late.append((told - intruder.first) / 1e6)
+            if name in ("rogue", "late"):
+                intruder.unregister(scene.master)
+            if name == "second_master":
+                intruder.unregister(scene.other)
+        scene.log.wait("no more:", told, _LIMIT_S)
+    return late
+
+
+def _intrude(scene: Scene, name: str, intruder: Intruder, uri: str) -> None:
+    if name == "ghost":
+        guard = ros_call(scene.master, "lookupNode", "/bench", _GUARD, timeout=5)
+        intruder.invite(uri, guard)
+    elif name == "second_master":
+        intruder.invite_through(scene.other, _DRIVER, uri)
+    else:
+        intruder.register(scene.master)
+    if name == "late":
+        scene.start()
+
+
+def _found(name: str, late: list[float]) -> Iterator[Figure]:
+    unit = f"ms of {len(late)}"
+    yield Figure(f"{name}.median", statistics.median(late), None, unit)
+    yield Figure(f"{name}.max", max(late), None, unit, at_most=_AT_MOST_MS)
+
+
+def _wait(condition: Callable[[], _T]) -> _T:
+    """Return what a condition gives once it is true; what cannot be reached yet is not."""
+    deadline = time.monotonic() + _LIMIT_S
+    while time.monotonic() < deadline:
+        try:
+            if found := condition():
+                return found
+        except RTronError:
+            pass
+        time.sleep(0.01)
+    raise TimeoutError("what was waited for did not come")

@@ -1,0 +1,34 @@
+"""One hop of a Twist at 200 Hz: what the guard adds to a message's latency, and what peers add."""
+
+from collections.abc import Iterator
+
+from bench.common.latency import median, p99, typical_p99
+from bench.common.pubsub import Load, interleave
+from bench.common.testbed import Site
+from bench.common.workload import HOP_MESSAGES, RUNS
+from bench.part import Say
+from bench.ros1.routes import direct, guard, mux, relay
+from figures.figure import Figure
+
+RATE = 200
+_STATISTICS = {
+    "median": (median, 300.0),
+    "p99": (p99, 3000.0),
+    "typical_p99": (typical_p99, 3000.0),
+}
+"""What is taken of the latencies, and what it may be at most, us."""
+
+
+def figures(here: Site, say: Say) -> Iterator[Figure]:
+    """Give added median and p99 of the guard beside relay and mux, and the loss."""
+    ways = [direct(), guard(), relay(), mux()]
+    runs = interleave(here, ways, Load(HOP_MESSAGES, RATE), RUNS, say)
+    for name, (statistic, at_most) in _STATISTICS.items():
+        none = statistic(runs["direct"])
+        ours = statistic(runs["guard"]) - none
+        for peer in ("relay", "mux"):
+            added = statistic(runs[peer]) - none
+            yield Figure(f"hop.added_{name}_vs_{peer}", ours, added, "us", at_most=at_most)
+        yield Figure(f"hop.whole_{name}_vs_direct", ours + none, none, "us")
+    lost = {name: sum(run.lost for run in found) for name, found in runs.items()}
+    yield Figure("hop.lost", lost["guard"], lost["relay"], "messages", at_most=0)

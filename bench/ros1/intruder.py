@@ -1,0 +1,130 @@
+"""Publishers that go past the guard: raw, so that they keep to no rule of a client library.
+
+`first` is when the first subscriber's connection was accepted, on the steady clock (ns).
+"""
+
+import socket
+import struct
+import time
+from threading import Event, Thread
+from typing import Any
+from xmlrpc.server import SimpleXMLRPCServer
+
+from typing_extensions import Self
+
+from bench.headers import read_header
+from bench.ros1.node import HOST
+from rtron.errors import RTronError
+from rtron.wire.ros1.tcpros import encode_header
+from rtron.wire.ros1.xmlrpc import ros_call
+
+TWIST = "geometry_msgs/Twist"
+TWIST_MD5 = "9f195f881246fdfa2798d1d3eebca84a"
+FASTEST = struct.pack("<I6d", 48, 0, 0, 0, 0, 0, -0.2)
+_PERIOD_S = 0.005
+_CALL_S = 5.0
+
+
+class Intruder:
+    """Serves a topic at an address of its own and says one velocity to whoever connects."""
+
+    def __init__(self, name: str, topic: str) -> None:
+        self.name, self.topic = name, topic
+        self.first = 0
+        self.shut_down = Event()
+        self._connections: list[socket.socket] = []
+        self._listener = socket.create_server((HOST, 0))
+        self._slave = SimpleXMLRPCServer((HOST, 0), logRequests=False, allow_none=True)
+        port = self._listener.getsockname()[1]
+        self._answer("requestTopic", ["TCPROS", HOST, port])
+        self._answer("getPid", 1)
+        self._answer("getBusInfo", [])
+        self._answer("getPublications", [[topic, TWIST]])
+        self._answer("publisherUpdate", 0)
+        self._slave.register_function(self._shut, "shutdown")
+        self.uri = f"http://{HOST}:{self._slave.server_address[1]}/"
+        works = (self._slave.serve_forever, self._accept, self._speak)
+        self._threads = [Thread(target=work, daemon=True) for work in works]
+        for thread in self._threads:
+            thread.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.leave()
+
+    @property
+    def heard(self) -> bool:
+        """Whether a subscriber is connected."""
+        return bool(self._connections)
+
+    def register(self, master: str) -> None:
+        """Join the graph of a master, as a publisher of the topic."""
+        ros_call(master, "registerPublisher", self.name, self.topic, TWIST, self.uri, timeout=5)
+
+    def unregister(self, master: str) -> None:
+        """Leave the graph of a master."""
+        ros_call(master, "unregisterPublisher", self.name, self.topic, self.uri, timeout=5)
+
+    def invite(self, subscriber: str, *others: str) -> None:
+        """Tell a subscriber, in the master's place, that this is a publisher beside `others`."""
+        uris = [*others, self.uri]
+        ros_call(subscriber, "publisherUpdate", "/master", self.topic, uris, timeout=_CALL_S)
+
+    def invite_through(self, master: str, subscriber: str, uri: str) -> None:
+        """Register a subscriber at another master, which tells it of its own publishers."""
+        ros_call(master, "registerSubscriber", subscriber, self.topic, TWIST, uri, timeout=_CALL_S)
+        self.register(master)
+
+    def leave(self) -> None:
+        """End every connection, and serve no more."""
+        self._slave.shutdown()
+        self._slave.server_close()
+        self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()
+        for thread in self._threads:
+            thread.join()
+        for connection in self._connections:
+            connection.close()
+
+    def _answer(self, method: str, value: object) -> None:
+        self._slave.register_function(lambda *_: [1, "", value], method)
+
+    def _shut(self, *_: Any) -> list[Any]:  # noqa: ANN401 - whatever a caller says
+        self.shut_down.set()
+        return [1, "", 0]
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                sock, _ = self._listener.accept()
+            except OSError:
+                return
+            self.first = self.first or time.monotonic_ns()
+            try:
+                self._welcome(sock)
+            except (OSError, RTronError):
+                sock.close()
+
+    def _welcome(self, sock: socket.socket) -> None:
+        read_header(sock)
+        header = {"callerid": self.name, "topic": self.topic, "type": TWIST, "md5sum": TWIST_MD5}
+        sock.sendall(encode_header({**header, "message_definition": "", "latching": "0"}))
+        self._connections.append(sock)
+
+    def _speak(self) -> None:
+        while self._listener.fileno() >= 0:
+            time.sleep(_PERIOD_S)
+            for sock in [each for each in self._connections if not _spoken(each)]:
+                self._connections.remove(sock)
+
+
+def _spoken(sock: socket.socket) -> bool:
+    """Say the velocity; close the connection and return False if nobody listens any more."""
+    try:
+        sock.sendall(FASTEST)
+    except OSError:
+        sock.close()
+        return False
+    return True

@@ -1,0 +1,75 @@
+"""The guard's memory: after the start, after 100,000 and after 10 million messages."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.common.testbed import Site, python, result_of
+from bench.common.workload import MEMORY_SECONDS, MESSAGES
+from bench.guard import guard_pid
+from bench.part import Say
+from bench.ros1.routes import Way, guard, relay
+from figures.figure import Figure
+
+_COUNTS = {"start": 1, "short": 100_000, "long": MESSAGES}
+"""After how many messages memory is looked at; the first of them shows that the guard is there."""
+_WINDOWS = {"guard": 64, "relay": 8}
+"""Messages on their way at most; a relay loses more than ten."""
+_AT_MOST_MB = 60.0
+_GROWTH_MB = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Messages that went through and were lost so far, and the resident memory then, MB."""
+
+    received: int
+    lost: int
+    size: float
+
+
+def figures(here: Site, say: Say) -> Iterator[Figure]:
+    """Give the resident memory at each mark and its growth; the relay's for the first ones."""
+    peer = _marks(here, say, relay(), ("start", "short"))
+    ours = _marks(here, say, guard(), tuple(_COUNTS))
+    for name, mark in ours.items():
+        beside = peer[name].size if name in peer else None
+        unit = f"MB after {mark.received:,}"
+        yield Figure(f"memory.{name}", mark.size, beside, unit, at_most=_AT_MOST_MB)
+    growth = ours["long"].size - ours["short"].size
+    yield Figure("memory.growth", growth, None, "MB from short to long", at_most=_GROWTH_MB)
+    yield Figure("memory.lost", ours["long"].lost, None, "messages", at_most=0)
+
+
+def _marks(here: Site, say: Say, way: Way, names: Sequence[str]) -> dict[str, Mark]:
+    """Send through one guard or relay, and look at it at each mark."""
+    marks: dict[str, Mark] = {}
+    received = lost = 0
+    with way.open(here) as process:
+        for name in names:
+            say(f"{way.name}: {_COUNTS[name]:,} messages")
+            result = _flood(here, way, _COUNTS[name] - received)
+            received += result["received"]
+            lost += result["lost"]
+            pid = guard_pid(here.environ["ROS_MASTER_URI"]) or process.pid
+            marks[name] = Mark(received, lost, resident(pid))
+    return marks
+
+
+def _flood(here: Site, way: Way, count: int) -> dict[str, int]:
+    """Send `count` messages, as many as get through in the time."""
+    ends = ("--publish", way.inputs[0], "--subscribe", way.outputs[0])
+    window = ("--window", str(_WINDOWS[way.name]), "--limit", str(MEMORY_SECONDS))
+    count_option = ("--count", str(count))
+    result: dict[str, int] = result_of(
+        here, python("bench.ros1.flood", *ends, *window, *count_option)
+    )
+    return result
+
+
+def resident(pid: int) -> float:
+    """Return a process's resident memory, MB."""
+    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
+        if line.startswith("VmRSS:"):
+            return int(line.split()[1]) * 1024 / 1e6
+    raise ProcessLookupError(f"process {pid} has no memory")

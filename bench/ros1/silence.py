@@ -1,0 +1,79 @@
+"""From silence to the stop: how late the first stop message comes after the time in the plan.
+
+A stream moves the robot and falls silent, again and again, on an idle machine and with a busy loop
+on every core. The time runs from just before the last message is handed to the kernel to when the
+first stop message was received, in one process; the hop there and back and what the measuring
+process itself waits for a core are in it, nothing is subtracted. The peer is no guard but the
+measuring process: how late it wakes up from a sleep as long as the silence, in the same rounds.
+"""
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import replace
+
+from bench.common.latency import quantile
+from bench.common.plans import grcn
+from bench.common.testbed import Site, python, result_of, running
+from bench.common.workload import SILENCES
+from bench.part import Say
+from bench.ros1.routes import PUBLISHER, guarding
+from figures.figure import Figure
+from rtron.vocabulary import SECOND, Plan, Stop, flow_topic, output_topic
+
+_TOPIC = "/cmd_vel"
+_SILENT_AFTER = SECOND // 10
+_STOP = Stop(decel=1000.0, period=SECOND // 100, repeat=SECOND // 50)
+_LOADS = {"idle": 20.0, "busy": 50.0}
+"""What else the machine does, and how late 99 of 100 stops may be at most, ms."""
+_BUSY = "import signal; signal.alarm({seconds})\nwhile True: pass"
+_US_PER_MS = 1000
+
+
+def figures(here: Site, say: Say) -> Iterator[Figure]:
+    """Give median, p99 and maximum, ms, of each load."""
+    for load, at_most in _LOADS.items():
+        say(f"{SILENCES} silences, {load}")
+        with guarding(here, _plan()), _load(here, load):
+            found = _fall_silent(here)
+        yield from _compared(f"silence.{load}", found["late"], found["slept"], at_most)
+
+
+def _plan() -> Plan:
+    node = grcn(_TOPIC, [PUBLISHER])
+    flows = (replace(node.flows[0], silent_after=_SILENT_AFTER),)
+    return Plan(app="bench", grcn=(replace(node, flows=flows),), stop=_STOP)
+
+
+def _fall_silent(here: Site) -> dict[str, list[int]]:
+    ends = ("--publish", f"{PUBLISHER}={flow_topic(_TOPIC, 'flow1')}")
+    output = ("--subscribe", output_topic(_TOPIC), "--silent-after", str(_SILENT_AFTER))
+    rounds = ("--rounds", str(SILENCES))
+    found: dict[str, list[int]] = result_of(
+        here, python("bench.ros1.silent_publisher", *ends, *output, *rounds)
+    )
+    return found
+
+
+def _compared(
+    name: str, late: Sequence[int], slept: Sequence[int], at_most: float
+) -> Iterator[Figure]:
+    for part, share, wanted in (("median", 0.5, None), ("p99", 0.99, at_most), ("max", 1.0, None)):
+        ours, peer = (quantile(sorted(times), share) / _US_PER_MS for times in (late, slept))
+        unit = f"ms of {len(late)} (peer: its own sleep)"
+        yield Figure(f"{name}.{part}", ours, peer, unit, at_most=wanted)
+
+
+def _load(here: Site, load: str) -> AbstractContextManager[None]:
+    return _busy(here) if load == "busy" else nullcontext()
+
+
+@contextmanager
+def _busy(here: Site) -> Iterator[None]:
+    """Keep every core busy until the end of the block, for ten minutes at most."""
+    command = [sys.executable, "-c", _BUSY.format(seconds=600)]
+    with ExitStack() as stack:
+        for _ in os.sched_getaffinity(0):
+            stack.enter_context(running(here, command))
+        yield

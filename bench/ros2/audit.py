@@ -1,0 +1,82 @@
+"""How soon the guard's audit on ROS 2 finds each intrusion.
+
+The time begins when the intruder's publisher has a subscriber, which it looks for every ms, and
+ends when the alarm stands in the guard's log, which is read every ms. The guard may know of the
+intruder before its subscriber does: then the alarm comes first, and the time is below zero.
+"""
+
+import signal
+import statistics
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from bench.common.log_watcher import Watched
+from bench.common.plans import grcn
+from bench.common.testbed import Site, end, python, running, start
+from bench.common.workload import AUDIT_RUNS
+from bench.part import Say
+from bench.ros1.routes import PUBLISHER
+from bench.ros2_scene import DRIVER, FLOW, OPEN, OUT, TOPIC
+from figures.figure import Figure
+from rtron.planning.plan_file.writer import write_plan
+from rtron.vocabulary import Plan
+
+_GRCN = "/rtron/grcn_cmd_vel"
+_AT_MOST_MS = 100.0
+_LIMIT_S = 30.0
+INTRUSIONS = {
+    "output": ("/bench_rogue", OUT),
+    "flow": ("/bench_rogue", FLOW),
+    "impostor": (_GRCN, OUT),
+    "double": (PUBLISHER, FLOW),
+}
+"""The name and the topic of each intruder."""
+
+
+def figures(here: Site, say: Say) -> Iterator[Figure]:
+    """Give median and maximum for each intrusion."""
+    with _scene(here) as scene:
+        for name in INTRUSIONS:
+            say(f"{name}, {AUDIT_RUNS} times")
+            late = [_time(scene, name) for _ in range(AUDIT_RUNS)]
+            unit = f"ms of {len(late)}"
+            yield Figure(f"ros2_audit.{name}.median", statistics.median(late), None, unit)
+            worst = max(late)
+            yield Figure(f"ros2_audit.{name}.max", worst, None, unit, at_most=_AT_MOST_MS)
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A guard with a planned publisher and a successor, and its log."""
+
+    here: Site
+    log: Watched
+
+
+@contextmanager
+def _scene(here: Site) -> Iterator[Scene]:
+    node = replace(grcn(TOPIC, [PUBLISHER]), successors=(DRIVER,))
+    path = here.folder / "ros2_audit.yaml"
+    path.write_text(write_plan(Plan(app="bench", ros=2, grcn=(node,))), encoding="utf-8")
+    guard = python("bench.ros2.audit_processes", "guard", str(path))
+    with running(here, guard), running(here, python("bench.ros2.audit_processes", "app")):
+        log = Watched(here.folder / "errors.log")
+        log.wait(OPEN, 0, _LIMIT_S)
+        yield Scene(here, log)
+        log.close()
+
+
+def _time(scene: Scene, name: str) -> float:
+    """Intrude once; return how late the alarm was, ms."""
+    began = time.monotonic_ns()
+    command = python("bench.ros2.audit_processes", "intrude", *INTRUSIONS[name])
+    intruder = start(scene.here, command, piped=True)
+    try:
+        told, _ = scene.log.wait("alarm:", began, _LIMIT_S)
+        first = int(intruder.stdout.readline()) if intruder.stdout else 0
+    finally:
+        end(intruder, signal.SIGTERM)
+    scene.log.wait("no more:", told, _LIMIT_S)
+    return (told - first) / 1e6

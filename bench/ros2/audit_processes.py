@@ -1,0 +1,77 @@
+"""The processes of the audit's measurements on ROS 2: `python -m bench.ros2.audit_processes WHAT ...`."""
+
+import signal
+import sys
+import time
+from pathlib import Path
+
+from geometry_msgs.msg import Twist
+
+from bench.ros1.routes import PUBLISHER
+from bench.ros2_scene import DRIVER, FLOW, OPEN, OUT
+from rtron.guard.audit.ros2.auditor import Ros2Auditor
+from rtron.guard.core.coordinator import Host
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.runner import run_host
+from rtron.guard.transport.ros2.middleware import Ros2Transport
+from rtron.planning.plan_file.loader import read_plan
+from rtron.vocabulary import streams
+from rtron.wire.ros2.discovery_tuning import announce_often
+from rtron.wire.ros2.session import Session
+
+_PERIOD_S = 0.001
+_SPEAK_S = 0.1
+_DECODED = False
+
+
+def main() -> None:
+    """Be the `guard` of a plan, the `app` around it, or `intrude` as a node on a topic."""
+    what, *words = sys.argv[1:]
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
+    if what == "guard":
+        _guard(Path(words[0]))
+        return
+    session = Session()
+    try:
+        _app(session) if what == "app" else _intrude(session, *words)
+    finally:
+        session.close()
+
+
+def _guard(path: Path) -> None:
+    announce_often()
+    plan, loop = read_plan(path), Loop()
+    transport = Ros2Transport(loop, Session())
+    host = Host(transport, streams(plan))
+    run_host(host, transport, loop, Ros2Auditor(plan, host, transport, loop))
+
+
+def _app(session: Session) -> None:
+    """Speak as the planned publisher, listen as the successor, and say when the way is open."""
+    publisher = session.node(PUBLISHER).create_publisher(Twist, FLOW, 10)
+    listener = session.node(DRIVER).create_subscription(Twist, OUT, lambda _: None, 10)
+    with listener.handle:
+        while listener.handle.take_message(Twist, _DECODED) is None:
+            publisher.publish(Twist())
+            time.sleep(_PERIOD_S)
+    sys.stderr.write(f"{OPEN}\n")
+    sys.stderr.flush()
+    while True:
+        publisher.publish(Twist())
+        time.sleep(_SPEAK_S)
+
+
+def _intrude(session: Session, node: str, topic: str) -> None:
+    """Publish a topic; say when somebody has begun to listen, and go on until told to end."""
+    publisher = session.node(node).create_publisher(Twist, topic, 10)
+    while not publisher.get_subscription_count():
+        time.sleep(_PERIOD_S)
+    sys.stdout.write(f"{time.monotonic_ns()}\n")
+    sys.stdout.flush()
+    while True:
+        publisher.publish(Twist())
+        time.sleep(_PERIOD_S)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+"""How long the graph of a running ROS 2 app takes to read, and whether it is all of it.
+
+60 nodes of rclpy with 300 topics, in 20 processes: on one machine alone Fast DDS finds at most 32
+participants. The peer is what rclpy lists after a second, which is how long `ros2 node list`
+waits without its daemon.
+"""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from statistics import median
+from typing import Any
+
+from bench.common.testbed import Site, end, python, result_of, start
+from bench.common.workload import RUNS
+from bench.part import Say
+from bench.ros2.app import NODES, TOPICS, app
+from figures.figure import Figure
+
+_EACH = 3
+_TRIES = 10
+
+
+def figures(here: Site, say: Say) -> Iterator[Figure]:
+    """Give the time of a read, and what it does not tell or tells wrong."""
+    with ExitStack() as stack:
+        say(f"{NODES} nodes start")
+        _start(here, stack)
+        _settle(here)
+        ours, plain = [], []
+        for number in range(RUNS):
+            say(f"run {number + 1} of {RUNS}")
+            ours.append(_read(here, "ours"))
+            plain.append(_read(here, "plain"))
+    everything = len(app().nodes) + len(app().endpoints) + len(app().services)
+    unit = f"of {everything} entries, {TOPICS} topics"
+    faults, theirs = sum(map(_faults, ours)), median(map(_faults, plain))
+    yield Figure("ros2.discovery_median", median(run["seconds"] for run in ours), None, "s")
+    slowest = max(run["seconds"] for run in ours)
+    yield Figure("ros2.discovery_slowest", slowest, None, "s", at_most=5.0)
+    yield Figure("ros2.discovery_missing_or_wrong", faults, theirs, unit, at_most=0)
+
+
+def _start(here: Site, stack: ExitStack) -> None:
+    """Start the app's processes, and wait until each has said that it is ready."""
+    processes = []
+    for first in range(0, NODES, _EACH):
+        command = python("bench.ros2.app", str(first), str(_EACH))
+        processes.append(start(here, command, piped=True))
+        stack.callback(end, processes[-1])
+    for process in processes:
+        if process.stdout:
+            process.stdout.readline()
+
+
+def _settle(here: Site) -> None:
+    """Read the app until all of it is there: its nodes are busy to find each other at first."""
+    for _ in range(_TRIES):
+        if not _faults(_read(here, "ours")):
+            return
+    raise TimeoutError("the app does not start")
+
+
+def _read(here: Site, way: str) -> dict[str, Any]:
+    found: dict[str, Any] = result_of(here, python("bench.ros2.graph_reader", way))
+    return found
+
+
+def _faults(run: dict[str, Any]) -> int:
+    return int(run["missing"] + run["wrong"])

@@ -1,0 +1,37 @@
+"""The guard's process for ROS 2, without a supervisor: `python -m bench.ros2.guard_process STAGES TYPE N`.
+
+N streams, each of one flow through STAGES coordination nodes.
+"""
+
+import sys
+from dataclasses import replace
+
+from bench.common.plans import grcn
+from bench.ros1.routes import PUBLISHER
+from rtron.guard.core.coordinator import Host
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.runner import run_host
+from rtron.guard.transport.ros2.middleware import Ros2Transport
+from rtron.vocabulary import Plan, Stream, streams
+from rtron.wire.ros2.session import Session
+
+
+def stream(topic: str, type: str, stages: int) -> Stream:
+    """Return a stream that several GRCNs govern, each with a policy of its own."""
+    (made,) = streams(Plan(app="bench", ros=2, grcn=(grcn(topic, [PUBLISHER], type),)))
+    (first,) = made.stages
+    more = tuple(replace(first, id=f"{first.id}_{number}") for number in range(1, stages + 1))
+    return replace(made, stages=more)
+
+
+def main() -> None:
+    """Guard until told to end."""
+    stages, type, number = int(sys.argv[1]), sys.argv[2], int(sys.argv[3])
+    loop = Loop()
+    transport = Ros2Transport(loop, Session())
+    made = tuple(stream(f"/bench_{each}", type, stages) for each in range(number))
+    run_host(Host(transport, made), transport, loop)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+"""The guard's data path on ROS 2 beside relays of rclpy: one hop, ten, and loads."""
+
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from bench.common.latency import median, p99
+from bench.common.pubsub import Load, interleave, run
+from bench.common.testbed import Site
+from bench.common.workload import HOP_MESSAGES, LOAD_SECONDS, RUNS
+from bench.part import Say
+from bench.ros1.hop import RATE
+from bench.ros2.routes import direct, guard, relay, relays_beside
+from figures.figure import Figure
+
+FLOWS = 20
+_IMAGE = "sensor_msgs/msg/Image"
+_IDLE_S = 10
+_TICKS = os.sysconf("SC_CLK_TCK")
+
+
+def figures(here: Site, say: Say) -> Iterator[Figure]:
+    """Give the latencies of the whole way, the losses under load, and what an idle guard costs."""
+    yield from _hops(here, say)
+    yield from _loads(here, say)
+    yield from _idle(here, say)
+
+
+def _hops(here: Site, say: Say) -> Iterator[Figure]:
+    ways = [direct(), guard(), relay(), guard(stages=10), relay(10)]
+    runs = interleave(here, ways, Load(HOP_MESSAGES, RATE), RUNS, say)
+    none, one, peer, ten, peers = (median(runs[way.name]) for way in ways)
+    yield Figure("ros2.hop_whole_median", one, peer, "us", ratio_at_most=0.8)
+    yield Figure("ros2.hop_whole_median_vs_direct", one, none, "us")
+    yield Figure("ros2.hop_whole_p99", p99(runs["guard"]), p99(runs["relay"]), "us")
+    yield Figure("ros2.ten_added_to_one", ten - one, peers - peer, "us", at_most=50)
+    yield Figure("ros2.ten_added_median", ten - none, peers - none, "us", ratio_at_most=0.25)
+    lost = {name: sum(run.lost for run in found) for name, found in runs.items()}
+    yield Figure("ros2.hop_lost", lost["guard"], lost["relay"], "messages", at_most=0)
+
+
+def _loads(here: Site, say: Say) -> Iterator[Figure]:
+    twists = Load(5000 * LOAD_SECONDS, 5000)
+    images = Load(30 * LOAD_SECONDS, 30, message="image")
+    loads = (
+        ("twists", twists, guard(number=FLOWS), relays_beside(FLOWS)),
+        ("images", images, guard(type=_IMAGE), relay(message="image")),
+    )
+    for name, load, ours, peer in loads:
+        say(f"{name}, {LOAD_SECONDS} s each")
+        mine, theirs = run(here, ours, load), run(here, peer, load)
+        unit = f"messages of {load.count}"
+        yield Figure(f"ros2.{name}_lost", mine.lost, theirs.lost, unit, at_most=0)
+        yield Figure(f"ros2.{name}_p99", p99([mine]), p99([theirs]), "us")
+        yield Figure(f"ros2.{name}_generator_late", mine.late_ms, theirs.late_ms, "ms at most")
+
+
+def _idle(here: Site, say: Say) -> Iterator[Figure]:
+    say(f"idle, {_IDLE_S} s each")
+    ours, peer = (_idle_cpu(here, way) for way in (guard(number=FLOWS), relays_beside(FLOWS)))
+    yield Figure("ros2.idle_cpu", ours, peer, "% of a core", at_most=3)
+
+
+def _idle_cpu(here: Site, way) -> float:  # noqa: ANN001
+    """Return the processor time of a way that nobody uses, % of a core, once it has started."""
+    with way.open(here) as process:
+        time.sleep(_IDLE_S / 2)
+        before = _ticks(process.pid)
+        time.sleep(_IDLE_S)
+        return 100 * (_ticks(process.pid) - before) / _TICKS / _IDLE_S
+
+
+def _ticks(pid: int) -> int:
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return int(fields[11]) + int(fields[12])

@@ -1,0 +1,75 @@
+"""The process that listens on ROS 2: `python -m bench.ros2.receiver --subscribe TOPIC ...`.
+
+As `bench.ros1.receiver`. Every subscription wakes the process by an eventfd and is read without
+conversions, so that what is measured is the way and not this end of it.
+"""
+
+import json
+import signal
+import sys
+import threading
+import time
+from functools import partial
+
+from bench.common.arguments import to_listen
+from bench.ros1.receiver import Recorder
+from bench.ros2.endpoints import DEPTH, class_of, node, qos
+from bench.ros2.messages import MESSAGES, WARM_UP, Message
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.transport.ros2.event_fd import Bell
+from rtron.guard.transport.ros2.rcl import Rcl
+
+_SILENCE_S = 1.0
+
+
+def main() -> None:
+    """Subscribe as the arguments say."""
+    args = to_listen(MESSAGES, ros=2)
+    signal.alarm(args.limit)
+    message = MESSAGES[args.message]
+    recorder = Recorder(set(args.subscribe), args.count)
+    loop, rcl, own = Loop(), Rcl(), node(args.node)
+    for topic in args.subscribe:
+        made = own.create_subscription(class_of(message.type), topic, print, qos(), raw=True)
+        take = partial(rcl.take, made.handle.pointer)
+        bell = Bell(loop, partial(_read, loop, recorder, topic, message, take, {}))
+        rcl.notify("subscription", made.handle, bell.fd)
+    threading.Thread(target=_await_end, args=(loop, recorder), daemon=True).start()
+    loop.run()
+    print(json.dumps(recorder.result()), flush=True)
+
+
+def _read(loop, recorder, topic: str, message: Message, take, last, count: int) -> None:  # noqa: ANN001
+    for _ in range(min(count, DEPTH)):
+        taken = take()
+        if taken is None:
+            return
+        now = time.monotonic_ns()
+        sent, number = message.read(taken[0])
+        if number == WARM_UP:
+            recorder.warm(topic)
+            continue
+        recorder.latencies.append(now - sent)
+        recorder.sequences.append(number)
+        recorder.disordered += number < last.get(topic, -1)
+        last[topic] = number
+        if len(recorder.sequences) >= recorder.count:
+            loop.stop()
+
+
+def _await_end(loop: Loop, recorder: Recorder) -> None:
+    """Let the loop end when nothing has come for a while after the end of standard input."""
+    sys.stdin.readline()
+
+    def look(before: int) -> None:
+        now = len(recorder.sequences)
+        if now == before:
+            loop.stop()
+        else:
+            loop.call_later(_SILENCE_S, lambda: look(now))
+
+    loop.post(lambda: look(-1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,37 @@
+"""A relay as one writes it with rclpy: `python -m bench.ros2.relay MESSAGE FROM=TO ...`.
+
+Raw messages, SingleThreadedExecutor.
+"""
+
+import sys
+from functools import partial
+
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+
+from bench.ros2.endpoints import class_of, node, qos
+from bench.ros2.messages import MESSAGES
+
+
+def main() -> None:
+    """Relay until told to end."""
+    message, *pairs = sys.argv[1:]
+    kind = class_of(MESSAGES[message].type)
+    own = node(f"/bench_relay{pairs[0].replace('/', '_').replace('=', '_')}")
+    for pair in pairs:
+        source, target = pair.split("=")
+        publisher = own.create_publisher(kind, target, qos())
+        own.create_subscription(kind, source, partial(_pass, publisher), qos(), raw=True)
+    executor = SingleThreadedExecutor(context=own.context)
+    executor.add_node(own)
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        sys.exit(0)
+
+
+def _pass(publisher, message: bytes) -> None:  # noqa: ANN001 - rclpy has no types
+    publisher.publish(message)
+
+
+if __name__ == "__main__":
+    main()

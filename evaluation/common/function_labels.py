@@ -1,0 +1,114 @@
+"""Repositories labelled by hand with their functions, and classifications beside them."""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+
+from rtron.functions.classifier.result import Classification
+from rtron.functions.domains import DOMAIN_OF
+from rtron.vocabulary import Domain, FunctionType
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Label:
+    """What readers say a repository is: any one of `primary` is right as its first function.
+
+    `accepted` functions count neither as wrong nor as missed.
+    """
+
+    repo: str
+    primary: frozenset[FunctionType]
+    functions: frozenset[FunctionType]
+    accepted: frozenset[FunctionType]
+
+    @property
+    def is_node(self) -> bool:
+        """Tell whether its first function is a node of the interaction graph."""
+        return all(DOMAIN_OF[type] is not Domain.OTHERS for type in self.primary)
+
+    @property
+    def half(self) -> int:
+        """Return 0 for the half that the rules were made with, 1 for the one that checks them."""
+        return sha256(self.repo.encode()).digest()[0] % 2
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionScore:
+    """Classifications beside their labels."""
+
+    pairs: tuple[tuple[Label, Classification], ...]
+
+    @property
+    def automation(self) -> float:
+        """Return the share of the repositories of function nodes that a rule decides."""
+        nodes = [found for label, found in self.pairs if label.is_node]
+        return _share(sum(found.primary is not None for found in nodes), len(nodes))
+
+    @property
+    def precision(self) -> float:
+        """Return the share of the decided repositories whose first function is right."""
+        decided = [pair for pair in self.pairs if pair[1].primary is not None]
+        return _share(sum(found.primary in label.primary for label, found in decided), len(decided))
+
+    @property
+    def f1(self) -> float:
+        """Return the harmonic mean of precision and recall over all functions together."""
+        hits = sum(len(label.functions & set(found.functions)) for label, found in self.pairs)
+        wrong = sum(
+            len(_extra(label, found)) + len(_missed(label, found)) for label, found in self.pairs
+        )
+        return _share(2 * hits, 2 * hits + wrong)
+
+    def faults(self) -> Iterator[str]:
+        """Yield a line for each repository with a function that is wrong or missed."""
+        for label, found in self.pairs:
+            extra, missed = _extra(label, found), _missed(label, found)
+            if extra or missed or found.primary not in label.primary:
+                right = "WRONG" if found.primary not in label.primary else "PART"
+                yield (
+                    f"{right:5} {label.repo}: {found.primary or 'cannot tell'}"
+                    f" ({'/'.join(sorted(label.primary))}), extra {_names(extra)},"
+                    f" missed {_names(missed)}"
+                )
+
+
+def read_labels(path: Path) -> tuple[Label, ...]:
+    """Return the labels in a file of JSON lines."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return tuple(_label(json.loads(line)) for line in lines)
+
+
+def score(labels: Iterable[Label], found: Mapping[str, Classification]) -> FunctionScore:
+    """Return labels beside what was found; a label whose repository is absent is left out."""
+    return FunctionScore(tuple((each, found[each.repo]) for each in labels if each.repo in found))
+
+
+def _label(document: Mapping[str, list[str]]) -> Label:
+    return Label(
+        repo=str(document["repo"]),
+        primary=_types(document["primary"]),
+        functions=_types(document["functions"]),
+        accepted=_types(document["also_accepted"]),
+    )
+
+
+def _types(names: Iterable[str]) -> frozenset[FunctionType]:
+    return frozenset(map(FunctionType, names))
+
+
+def _extra(label: Label, found: Classification) -> frozenset[FunctionType]:
+    return frozenset(found.functions) - label.functions - label.accepted
+
+
+def _missed(label: Label, found: Classification) -> frozenset[FunctionType]:
+    return label.functions - set(found.functions)
+
+
+def _names(types: Iterable[FunctionType]) -> str:
+    return ", ".join(sorted(types)) or "none"
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else 0.0

@@ -1,0 +1,75 @@
+"""Corpora of repositories, classified: beside labels by hand, and beside the paper's figures."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from evaluation.common.datasets import Place
+from evaluation.common.function_labels import FunctionScore, Label, read_labels, score
+from evaluation.common.function_timing import Timing, timed
+from evaluation.part import Tell
+from figures.figure import Figure
+from rtron.functions.classifier.pipeline import classify
+from rtron.functions.classifier.result import Classification
+from rtron.functions.classifier.tables import count, function_nodes
+from rtron.functions.reading.corpus import read_corpus, read_readmes
+
+PAPER_AUTOMATION = 0.8852
+PAPER_PRECISION = 0.9982
+_PEAK_MB = 300
+_HALVES = ("develop", "check")
+
+
+def figures(here: Place, tell: Tell) -> Iterator[Figure]:
+    """Classify what is labelled, then every corpus."""
+    labels = read_labels(here.corpus("labels_dev.jsonl"))
+    paper, readmes = here.corpus("kinetic_941.jsonl"), here.corpus("kinetic_readme.jsonl")
+    tell.progress("labelled repositories")
+    found = classified(paper, readmes)
+    for half, name in enumerate(_HALVES):
+        yield from _half(name, score([one for one in labels if one.half == half], found))
+    yield from _whole(labels, found, tell)
+    nodes = function_nodes(count(found.values()).types)
+    yield Figure("functions.941.nodes", nodes.total, 636, "functions")
+    for name, corpus, texts, bound in (
+        ("941", paper, None, 3),
+        ("1232", here.corpus("kinetic.jsonl"), readmes, 6),
+        ("humble", here.corpus("humble.jsonl"), None, None),
+    ):
+        tell.progress(f"{corpus.name}, timed")
+        yield from _timing(name, timed(corpus, texts), bound)
+
+
+def classified(corpus: Path, readmes: Path | None = None) -> Mapping[str, Classification]:
+    """Return the classification of every repository of a corpus."""
+    texts = read_readmes(readmes, _ignore) if readmes else {}
+    repositories = read_corpus(corpus, _ignore)
+    whole = (replace(each, readme=texts.get(each.name, each.readme)) for each in repositories)
+    return {each.name: classify(each) for each in whole}
+
+
+def _half(name: str, found: FunctionScore) -> Iterator[Figure]:
+    yield Figure(f"functions.{name}.automation", found.automation, None, "share")
+    yield Figure(f"functions.{name}.precision", found.precision, None, "share")
+    yield Figure(f"functions.{name}.f1", found.f1, None, "share")
+
+
+def _whole(
+    labels: tuple[Label, ...], found: Mapping[str, Classification], tell: Tell
+) -> Iterator[Figure]:
+    whole = score(labels, found)
+    tell.detail([*whole.faults(), ""])
+    yield Figure("functions.automation", whole.automation, PAPER_AUTOMATION, "share", at_least=0.92)
+    yield Figure("functions.precision", whole.precision, PAPER_PRECISION, "share", at_least=0.97)
+    yield Figure("functions.f1", whole.f1, None, "share", at_least=0.90)
+
+
+def _timing(name: str, found: Timing, bound: float | None) -> Iterator[Figure]:
+    decided = found.decided / found.repositories
+    yield Figure(f"functions.{name}.decided", decided, None, "share")
+    yield Figure(f"functions.{name}.time", found.seconds, None, "s", at_most=bound)
+    yield Figure(f"functions.{name}.peak", found.peak, None, "MB", at_most=_PEAK_MB)
+
+
+def _ignore(*_: object) -> None:
+    """Take what is wrong with a line of a corpus."""

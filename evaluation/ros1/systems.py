@@ -1,0 +1,120 @@
+"""AutoRally and TurtleBot against what was observed in them."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import partial
+
+from evaluation.common.datasets import Place
+from evaluation.part import Part, Tell
+from evaluation.ros1.app import App
+from evaluation.ros1.architecture import (
+    KINDS,
+    Architecture,
+    graph_architecture,
+    is_ignored,
+    read_architecture,
+    without_nodes,
+)
+from evaluation.ros1.rosdiscover import SYSTEMS
+from evaluation.score import Score, score
+from evaluation.subjects import EXPERIMENTERS, SHORT_LIVED
+from figures.figure import Figure
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.vocabulary import InteractionGraph, Resolution
+
+_SCORED = ("publishers", "subscribers", "services")
+_BOUNDS: Mapping[str, tuple[float, float]] = {"autorally": (0.97, 0.90), "turtlebot": (0.95, 0.85)}
+"""Precision and recall under the ignore list, and recall without it, at least."""
+
+
+def part(app: App) -> Part:
+    """Return the part that scores an app."""
+    return partial(_figures, app)
+
+
+def _figures(app: App, here: Place, tell: Tell) -> Iterator[Figure]:
+    observed = read_architecture(here.truth(f"{app.name}/observed.architecture.yml"))
+    for variant, dependencies in (("models", False), ("sources", True)):
+        tell.progress(f"{app.name} with {variant}")
+        graph = app.scan(here, dependencies=dependencies, options=ScanOptions()).graph
+        title = f"{app.name}, dependencies from {variant}"
+        _tell(title, app.name, observed, graph, tell)
+        yield from _scored(f"{app.name}.{variant}", app.name, observed, graph)
+
+
+def _tell(
+    title: str, name: str, observed: Architecture, graph: InteractionGraph, tell: Tell
+) -> None:
+    """Tell all scores, as observed and without the observation's known faults."""
+    recovered = graph_architecture(graph)
+    for what, seen, found in (
+        ("as observed", observed, recovered),
+        ("corrected", *_corrected(name, observed, graph)),
+    ):
+        filtered, raw = score(seen, found, raw=False), score(seen, found, raw=True)
+        rows = [_row(kind, filtered[kind], raw[kind]) for kind in KINDS]
+        tell.lines([f"{title}, {what}", _HEADER, *rows, ""])
+    tell.lines([*_resolutions(graph), ""])
+    tell.detail(_faults(score(seen, found, raw=True)))
+    tell.detail([f"  unresolved: {note.what}: {note.why}" for note in graph.unresolved])
+
+
+_HEADER = (
+    f"  {'':16}{'observed':>9}{'found':>7}{'hits':>6}{'precision':>11}{'recall':>8}"
+    f"{'raw observed':>14}{'precision':>11}{'recall':>8}"
+)
+
+
+def _row(kind: str, filtered: Score, raw: Score) -> str:
+    return (
+        f"  {kind:16}{len(filtered.observed):9}{len(filtered.recovered):7}{filtered.hits:6}"
+        f"{filtered.precision:11.3f}{filtered.recall:8.3f}"
+        f"{len(raw.observed):14}{raw.precision:11.3f}{raw.recall:8.3f}"
+    )
+
+
+def _faults(scores: Mapping[str, Score]) -> list[str]:
+    """Return a line for each missed or invented pair; `*` marks names the ignore list has."""
+    return [
+        f"  {kind:15}{line}{' *' if is_ignored(line.rpartition(' ')[2]) else ''}"
+        for kind, found in scores.items()
+        for line in found.faults()
+    ]
+
+
+def _resolutions(graph: InteractionGraph) -> Iterator[str]:
+    counted = Counter(_origin(end.resolution) for end in graph.endpoints)
+    whole = max(1, sum(counted.values()))
+    for origin in ("source", "model", "symbolic"):
+        yield f"  endpoints by {origin}: {counted[origin]} ({counted[origin] / whole:.0%})"
+
+
+def _origin(resolution: Resolution) -> str:
+    known = {Resolution.MODEL: "model", Resolution.SYMBOLIC: "symbolic"}
+    return known.get(resolution, "source")
+
+
+def _corrected(
+    name: str, observed: Architecture, graph: InteractionGraph
+) -> tuple[Architecture, Architecture]:
+    """Return both without the experimenter's nodes and without short-lived ones."""
+    short = {n.name for n in graph.nodes if (n.package, n.executable) in SHORT_LIVED}
+    names = {node for node, _ in observed.nodes}
+    seen = without_nodes(observed, EXPERIMENTERS.get(name, ()))
+    return seen, without_nodes(graph_architecture(graph), short - names)
+
+
+def _scored(
+    prefix: str, name: str, observed: Architecture, graph: InteractionGraph
+) -> Iterator[Figure]:
+    """Give the figures of what was observed, as the peer's are."""
+    found = graph_architecture(graph)
+    filtered, raw = score(observed, found, raw=False), score(observed, found, raw=True)
+    bound, raw_bound = _BOUNDS[name]
+    for kind in _SCORED:
+        peer, ours = SYSTEMS[name][kind], filtered[kind]
+        label = f"{prefix}.{kind}"
+        yield Figure(f"{label}.precision", ours.precision, peer.precision, "share", at_least=bound)
+        yield Figure(f"{label}.recall", ours.recall, peer.recall, "share", at_least=bound)
+        recall = raw[kind].recall
+        yield Figure(f"{label}.raw_recall", recall, peer.raw_recall, "share", at_least=raw_bound)

@@ -1,0 +1,109 @@
+"""`rtron explain-class`."""
+
+import re
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rtron.cli.support.outcome import Outcome
+from rtron.cli.support.skipped_report import Readmes, left_out, tell
+from rtron.errors import InputError, RTronError
+from rtron.folders import is_folder
+from rtron.reports.neutral import neutral
+
+if TYPE_CHECKING:
+    from rtron.functions.repository import Repository
+
+_LONGEST_SHOWN = 80
+_SEVERAL_SHOWN = 5
+_OFFERED = re.compile(r"[\w@.+-]+")
+"""Names that a shell takes as they are: what is completed stands on its line unquoted."""
+
+
+def _complete(ctx: typer.Context, incomplete: str) -> list[str]:
+    from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
+
+    try:
+        source = ctx.params.get("source")
+        found = read_repositories(Path(source), None, lambda _: None) if source else []
+    except (RTronError, OSError):
+        return []
+    names = (each.name for each in found if _OFFERED.fullmatch(each.name))
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def explain_class(
+    repo: Annotated[
+        str,
+        typer.Argument(
+            metavar="DIR|NAME", help="The repository, or a package of it.", autocompletion=_complete
+        ),
+    ],
+    *,
+    source: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE.jsonl|DIR|distribution.yaml",
+            help="Where a repository of this NAME is described.",
+        ),
+    ] = None,
+    readmes: Readmes = None,
+) -> Outcome:
+    """Explain why a repository has its functions.
+
+    Every rule that matches is shown: where, on which words, with its weight,
+    and whether a veto stopped it or an earlier piece had decided already.
+
+    $ rtron explain-class src/navigation
+    $ rtron explain-class --from kinetic.jsonl rrt_exploration
+    $ rtron explain-class --from kinetic.jsonl --readmes readmes.jsonl amcl
+
+    A NAME can be completed where --from stands before it. That of a package
+    stands for its repository.
+
+    Exit code: 0 explained, 2 no such repository.
+    """
+    from rtron.functions.classifier.pipeline import classify  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.classifier.rule_trace import trace  # noqa: PLC0415 - the guard starts without it
+    from rtron.reports.functions_evidence import evidence_text  # noqa: PLC0415 - the guard starts without it
+
+    found = _found(repo, source, readmes)
+    return Outcome(evidence_text(found, classify(found), trace(found)))
+
+
+def _found(repo: str, source: Path | None, readmes: Path | None) -> "Repository":
+    from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
+
+    if source is None and not is_folder(Path(repo)):
+        help = "give its folder, or say --from which file"
+        raise InputError(f"{repo[:_LONGEST_SHOWN]!r} is no folder", help=help)
+    with left_out() as left:
+        found = read_repositories(source or Path(repo), readmes, left)
+    return _named(repo, found) if source else _only(repo, found)
+
+
+def _only(repo: str, found: "list[Repository]") -> "Repository":
+    if len(found) > 1:
+        names = [each.name for each in found[:_SEVERAL_SHOWN]]
+        more = ["…"] if len(found) > _SEVERAL_SHOWN else []
+        told = ", ".join(names + more)
+        help = f"rtron explain-class --from {repo} NAME"
+        raise InputError(f"{repo} holds {len(found)} repositories: {told}", help=help)
+    return found[0]
+
+
+def _named(repo: str, found: "list[Repository]") -> "Repository":
+    """Return the repository of a name, else the first that has a package of that name."""
+    names = {each.name: each for each in found}
+    if repo in names:
+        return names[repo]
+    homes = {package.name: each for each in reversed(found) for package in each.packages}
+    if repo in homes:
+        tell(neutral(f"{repo} is a package of {homes[repo].name}"))
+        return homes[repo]
+    near = get_close_matches(repo[:_LONGEST_SHOWN], names, n=1)
+    help = f"did you mean {near[0]}?" if near else "`rtron classify` lists them all"
+    raise InputError(f"no repository is named {repo[:_LONGEST_SHOWN]!r}", help=help)

@@ -1,0 +1,156 @@
+"""`rtron functions`."""
+
+from collections.abc import Callable, Mapping
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rtron.cli.support.options import NoCache, Output, TextOrJson
+from rtron.cli.support.outcome import STDOUT, Outcome, as_json
+from rtron.cli.support.skipped_report import Readmes, left_out
+from rtron.functions.interactions.abstract_graph import AbstractGraph
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.workflows.parallel_map import ClusterAddress, ProcessCount
+
+functions = typer.Typer(
+    name="functions", no_args_is_help=True, help="Study what the functions of robots are."
+)
+
+
+class GraphFormat(str, Enum):
+    """What the interaction graph of functions is written as."""
+
+    JSON = "json"
+    DOT = "dot"
+    SVG = "svg"
+    HTML = "html"
+
+
+@functions.callback()
+def study() -> None:
+    """Study an ecosystem: which functions exchange what, and what kind apps are of."""
+
+
+@functions.command()
+def graph(
+    given: Annotated[
+        Path,
+        typer.Argument(
+            metavar="PATH",
+            help="A folder of repositories, a corpus (JSON lines; - is standard input), or the "
+            "distribution.yaml of rosdistro.",
+        ),
+    ],
+    *,
+    format: Annotated[
+        GraphFormat | None,
+        typer.Option(
+            help="Data, or a picture.  [default: as the output's name ends, else json]",
+            show_default=False,
+        ),
+    ] = None,
+    output: Output = STDOUT,
+    readmes: Readmes = None,
+    jobs: ProcessCount = None,
+    cluster: ClusterAddress = None,
+    no_cache: NoCache = False,
+) -> Outcome:
+    """Draw the interaction graph of functions: who exchanges which messages.
+
+    Packages are sorted by function. Two functions interact directly if one
+    publishes a message type that the other subscribes, and indirectly if
+    one acts on the environment that the other senses. In a folder, types are
+    read from the source of its programs; else from what is typical of a
+    function. Each edge says which.
+
+    $ rtron functions graph repositories/ -o functions.svg
+    $ rtron functions graph corpus.jsonl --readmes readmes.jsonl -o functions.html
+    $ rtron functions graph distribution.yaml --format dot
+
+    See docs/functions_graph.md. Exit code: 0 drawn, 2 bad input.
+    """
+    from rtron.sources.static.common.cache import user_cache  # noqa: PLC0415 - other commands start without it
+    from rtron.workflows.function_graph import Asked, interaction_graph  # noqa: PLC0415 - other commands start without it
+
+    options = ScanOptions(cache=None if no_cache else user_cache())
+    if jobs:
+        options = ScanOptions(cache=options.cache, workers=jobs)
+    asked = Asked(given, readmes, jobs, cluster)
+    return Outcome(_SHOWN[format or _ending(output)](interaction_graph(asked, options)), to=output)
+
+
+@functions.command()
+def apps(
+    graphs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="GRAPH.json…", help="Interaction graphs of apps, or folders of such files."
+        ),
+    ],
+    *,
+    format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
+    output: Output = STDOUT,
+) -> Outcome:
+    """Tell what kind of app each app is, by the functions of its nodes.
+
+    The 14 categories are those of the paper's table, each a set of functions.
+    Of those whose set an app has, the most specific are named.
+
+    $ rtron scan src --launch pkg/app.launch --format graph --fail-on never -o app.json
+    $ rtron functions apps app.json
+    $ rtron functions apps graphs/ --format json
+
+    What cannot be read is left out and told on standard error.
+
+    Exit code: 0 told, 2 nothing can be read.
+    """
+    from rtron.cli.app_rows import app_rows  # noqa: PLC0415 - other commands start without it
+    from rtron.functions.app_categories import counts  # noqa: PLC0415 - nor this
+    from rtron.reports.functions_apps import apps_text, apps_to_json  # noqa: PLC0415 - nor this
+
+    with left_out() as left:
+        rows = app_rows(graphs, left)
+    counted = counts(rows) if len(rows) > 1 else ()
+    if format is TextOrJson.JSON:
+        return Outcome(as_json(apps_to_json(rows, counted)), to=output)
+    return Outcome(apps_text(rows, counted), to=output)
+
+
+def _ending(output: Path) -> GraphFormat:
+    """Return the format that a file's name asks for, JSON if it asks for none."""
+    asked = output.suffix.lower().removeprefix(".")
+    return next((each for each in GraphFormat if each.value == asked), GraphFormat.JSON)
+
+
+def _json(graph: AbstractGraph) -> str:
+    from rtron.reports.functions_graph_json import functions_to_json  # noqa: PLC0415 - one of four
+
+    return as_json(functions_to_json(graph))
+
+
+def _dot(graph: AbstractGraph) -> str:
+    from rtron.reports.functions_graph_dot import functions_to_dot  # noqa: PLC0415 - one of four
+
+    return functions_to_dot(graph)
+
+
+def _svg(graph: AbstractGraph) -> str:
+    from rtron.reports.functions_graph_svg import functions_to_svg  # noqa: PLC0415 - one of four
+
+    return functions_to_svg(graph)
+
+
+def _html(graph: AbstractGraph) -> str:
+    from rtron.reports.functions_graph_html import functions_to_html  # noqa: PLC0415 - one of four
+
+    return functions_to_html(graph)
+
+
+_SHOWN: Mapping[GraphFormat, Callable[[AbstractGraph], str]] = {
+    GraphFormat.JSON: _json,
+    GraphFormat.DOT: _dot,
+    GraphFormat.SVG: _svg,
+    GraphFormat.HTML: _html,
+}

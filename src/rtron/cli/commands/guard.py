@@ -1,0 +1,111 @@
+"""`rtron guard`."""
+
+from collections.abc import Callable
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rtron.cli.linking import Authority, Robot, ServiceUrl, State, TokenFile, link_options
+from rtron.cli.support.options import DEFAULT_MASTER, Domain, Master, PlanOption
+from rtron.errors import InputError
+from rtron.planning.plan_file.loader import read_plan
+from rtron.vocabulary import Run
+from rtron.wire.ros2.domain_id import domain_id
+from rtron.workflows.launch_arguments import assignments
+
+
+class LogLevel(str, Enum):
+    """How much the guard says on standard error."""
+
+    DEBUG = "debug"
+    INFO = "info"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+def guard(  # noqa: PLR0913 - one for each option
+    appended: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="NAME:=VALUE", help="What roslaunch appends; accepted, not used."),
+    ] = None,
+    *,
+    plan: PlanOption,
+    master: Master = DEFAULT_MASTER,
+    domain: Domain = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Let everything pass; report what would be done.")
+    ] = False,
+    figures: Annotated[
+        Path | None,
+        typer.Option(metavar="RUN.json", help="Keep what a dry run measures, for `rtron plan`."),
+    ] = None,
+    control: Annotated[
+        Path | None,
+        typer.Option(metavar="SOCKET", help="Where to listen for `rtron override`."),
+    ] = None,
+    service: ServiceUrl = "",
+    token_file: TokenFile = None,
+    robot: Robot = "",
+    state: State = None,
+    ca: Authority = None,
+    log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
+) -> None:
+    """Stand between the app's nodes, as the plan says, until stopped.
+
+    The guarded launch starts it. Start it by hand to try a plan out, or to
+    watch with a plan whose coordination nodes all observe.
+
+    $ rtron guard --plan rtron.yaml
+    $ rtron guard --plan rtron.yaml --dry-run
+    $ rtron guard --plan rtron.yaml --dry-run --figures run.json
+    $ rtron guard --plan rtron.yaml --master http://robot:11311 --log-level debug
+    $ rtron guard --plan rtron.yaml --domain 7       a plan that says `ros: 2`
+    $ rtron guard --plan rtron.yaml --service https://host:8600 --token-file F
+
+    A master that does not answer is waited for. With ROS 2 the range of discovery
+    and the RMW are those of the environment. A dry run stands in the flows
+    but forbids nothing: diagnostics and log tell what would have been stopped.
+    `rtron plan --from-run run.json` makes settings of the figures that it keeps.
+
+    With --service the guard tells the security service what happens, and takes
+    settings from people in its console. A third process does that, so that a
+    service which is slow or away delays nothing; meanwhile the last settings
+    count and events wait on disk, in --state.
+
+    Two processes: a supervisor, and the guard that it starts. When the guard
+    dies or stands still, the supervisor stops the robot and starts it again.
+
+    Exit code: 0 stopped, 2 bad plan.
+    """
+    from rtron.guard.supervision.supervisor_start import supervise  # noqa: PLC0415 - no other needs a guard
+
+    assignments(appended or ())
+    if figures and not dry_run:
+        help = "add --dry-run: only what nobody interferes with is worth measuring"
+        raise InputError("--figures without --dry-run", help=help)
+    keep = _keeper(figures) if figures else None
+    read = read_plan(plan)
+    linked = link_options(read.app, service, token_file, robot, state, ca) if service else None
+    supervise(
+        read,
+        master if read.ros == 1 else _in_domain(domain),
+        log_level=log_level.value.upper(),
+        dry_run=dry_run,
+        control=control,
+        figures=keep,
+        link=linked,
+    )
+
+
+def _keeper(path: Path) -> Callable[[Run], None]:
+    from rtron.cli.figures import Keeper  # noqa: PLC0415 - few guards keep figures
+
+    return Keeper(path.absolute())
+
+
+def _in_domain(domain: int | None) -> str:
+    from rtron.guard.transport.factory import domain_address  # noqa: PLC0415 - for ROS 2 alone
+
+    return domain_address(domain_id(domain))

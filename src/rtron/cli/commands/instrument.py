@@ -1,0 +1,150 @@
+"""`rtron instrument`."""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rtron.cli.support.options import PlanOption, TextOrJson
+from rtron.cli.support.outcome import FOUND, OK, Outcome, as_json
+from rtron.planning.instrument import Instrumented, Started, write_instrumented
+from rtron.planning.instrument import instrument as instrumented
+from rtron.planning.instrument.ros2 import instrument_ros2
+from rtron.planning.plan_file.loader import parse_plan
+from rtron.planning.plan_file.yaml_parser import read_text
+from rtron.reports.guarded_text import Guarded, NodeRemap, OpenEnd, guarded_text, guarded_to_json
+from rtron.sources.launch.common.packages import find_packages
+from rtron.sources.launch.ros2.reader import read_launch2
+from rtron.vocabulary import Plan
+from rtron.workflows.instrument import check_launch
+from rtron.workflows.launch_arguments import assignments
+
+if TYPE_CHECKING:
+    from rtron.sources.static.ros1.app import StaticApp
+
+
+def instrument(
+    launch: Annotated[
+        Path,
+        typer.Argument(
+            metavar="APP.launch",
+            help="The launch file that starts the app; in ROS 2 one of .xml, .yaml or .py.",
+        ),
+    ],
+    arguments: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="ARG:=VALUE", help="The arguments it is to be launched with."),
+    ] = None,
+    *,
+    plan: PlanOption,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="OUT.launch", help="The guarded launch; its kind is APP's."
+        ),
+    ],
+    packages: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="DIR", help="Look for packages here first; can be repeated."),
+    ] = None,
+    format: Annotated[
+        TextOrJson, typer.Option(help="A report, or the same as JSON.")
+    ] = TextOrJson.TEXT,
+) -> Outcome:
+    """Write a launch file that starts the app guarded.
+
+    No node is changed: the guarded launch is the app's own, with remaps that
+    lead each flow through the guard, and the guard. Launch files that nodes
+    start themselves are found in the nodes' source and guarded in copies of
+    their packages, which only those nodes see. Packages are looked for in
+    --packages, then as ROS does.
+
+    $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
+    $ rtron instrument app.launch model:=waffle --plan rtron.yaml -o out.launch
+
+    The plan says which ROS it is for. In ROS 2, XML and YAML launch files are
+    rewritten; a Python launch file is wrapped: it stays as it is, and what it
+    starts gets its remaps when it starts. RTron itself never runs it.
+
+    $ rtron instrument app.launch.py --plan rtron.yaml -o guarded.launch.py
+    $ rtron instrument app.launch.xml --plan rtron.yaml -o guarded.launch.xml
+
+    XML and YAML are read for the arguments given, and for your environment:
+    if others decide what starts, instrument again. A guarded launch that is
+    started with the wrong ones ends at once and says which. A Python launch
+    file takes any.
+
+    Exit code: 0 all is closed; 1 written, but something cannot be enforced and
+    the plan does not accept it; 2 bad input.
+    """
+    text = read_text(plan)
+    chosen = parse_plan(text, str(plan))
+    check_launch(launch, chosen, str(plan))
+    given = _Given(launch, assignments(arguments or ()), packages or (), chosen, output, text)
+    result = _ros1(given) if chosen.ros == 1 else _ros2(given)
+    write_instrumented(result)
+    guarded = _guarded(result, chosen.ros)
+    shown = (
+        as_json(guarded_to_json(guarded)) if format is TextOrJson.JSON else guarded_text(guarded)
+    )
+    return Outcome(shown, OK if guarded.is_closed else FOUND)
+
+
+@dataclass(frozen=True, slots=True)
+class _Given:
+    """What the command was given: a launch file and its arguments, where to look, what to make."""
+
+    launch: Path
+    arguments: Mapping[str, str]
+    folders: Sequence[Path]
+    plan: Plan
+    out: Path
+    plan_text: str
+
+
+def _ros1(given: _Given) -> Instrumented:
+    from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - the guard starts without it
+
+    app = scan_app(given.folders, [(given.launch, given.arguments)], os.environ)
+    return instrumented(
+        app.trees[0],
+        given.plan,
+        given.out,
+        plan_text=given.plan_text,
+        started=_started(app),
+        packages=find_packages(given.folders),
+    )
+
+
+def _ros2(given: _Given) -> Instrumented:
+    packages = find_packages(given.folders)
+    tree = read_launch2(given.launch, given.arguments, os.environ, packages)
+    return instrument_ros2(tree, given.plan, given.out, plan_text=given.plan_text)
+
+
+def _started(app: "StaticApp") -> Sequence[Started]:
+    """Return what nodes start; the trees of it come after the app's own."""
+    return [
+        Started(tree=tree, by=file.by, evidence=(file.evidence,))
+        for tree, file in zip(app.trees[1:], app.started, strict=True)
+    ]
+
+
+def _guarded(result: Instrumented, ros: int) -> Guarded:
+    return Guarded(
+        ros=ros,
+        launch=str(result.launch),
+        files=tuple(map(str, (*result.files, *result.copies))),
+        remaps=tuple(
+            NodeRemap(node=r.node, topic=r.topic, written=r.written, target=r.target)
+            for r in result.remaps
+        ),
+        unenforceable=tuple(
+            OpenEnd(what=end.what, why=end.why, accepted=end.accepted)
+            for end in result.unenforceable
+        ),
+        notes=result.notes,
+    )

@@ -1,0 +1,75 @@
+"""`rtron master`."""
+
+import logging
+from typing import Annotated
+
+import typer
+
+from rtron.cli.commands.guard import LogLevel
+from rtron.cli.support.options import PlanOption
+from rtron.cli.support.outcome import Outcome
+from rtron.errors import InputError, WireError
+from rtron.planning.plan_file.loader import read_plan
+from rtron.wire.ros1.host_address import master_uri, own_host
+from rtron.wire.ros1.xmlrpc import split_uri
+
+_LAST_PORT = 65535
+
+
+def master(
+    *,
+    plan: PlanOption,
+    port: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=_LAST_PORT,
+            metavar="PORT",
+            help="Where nodes find the master.  [default: that of ROS_MASTER_URI]",
+            show_default=False,
+        ),
+    ] = None,
+    host: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="The name they find it under.  [default: ROS_HOSTNAME, ROS_IP or this machine]",
+            show_default=False,
+        ),
+    ] = "",
+    private_port: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            max=_LAST_PORT,
+            metavar="PORT",
+            help="Where rosmaster listens, on loopback; 0 is a free port. A firewall rule needs "
+            "one that stays.",
+        ),
+    ] = 0,
+    log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
+) -> Outcome:
+    """Run the ROS master behind a fence that refuses what the plan forbids.
+
+    Use it in place of roscore, before the guarded launch. Nobody can publish
+    what only the guard may, take the guard's names, or take the name of a
+    node in the plan while that node lives. All else works as ever.
+
+    $ rtron master --plan rtron.yaml
+    $ roslaunch guarded.launch
+
+    Exit code: 0 stopped, 2 bad plan, port taken, or rosmaster has ended.
+    """
+    from rtron.guard.master_proxy.process import run_master  # noqa: PLC0415 - no other command needs it
+
+    logging.basicConfig(level=log_level.value.upper(), format="%(levelname)s %(message)s")
+    known = read_plan(plan)
+    at = port or _master_port()
+    return Outcome("", run_master(known, host or own_host(), at, private_port=private_port))
+
+
+def _master_port() -> int:
+    try:
+        return split_uri(master_uri())[1]
+    except WireError as error:
+        raise InputError(f"ROS_MASTER_URI: {error}", help="give --port") from None

@@ -1,0 +1,43 @@
+"""`rtron mission`."""
+
+from typing import Annotated
+
+import typer
+from rich.text import Text
+
+from rtron.cli.support.outcome import Outcome
+from rtron.errors import InputError
+from rtron.planning.missions import MISSIONS, mission_summary, mission_text
+from rtron.planning.plan_file.problems import suggestion
+from rtron.reports.lines import Report, columns, line
+
+
+def _complete(incomplete: str) -> list[str]:
+    return [name for name in MISSIONS if name.startswith(incomplete)]
+
+
+def mission(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="NAME", help="Which mission to show.", autocompletion=_complete),
+    ] = None,
+) -> Outcome:
+    """Show rules for the mission of a robot, to copy from; without a name, list them.
+
+    Each is a plan that can be checked and replayed: events, what they
+    mean, and which actions they forbid.
+
+    $ rtron mission
+    $ rtron mission recharge
+    $ rtron mission recharge > rtron.yaml && rtron check rtron.yaml
+    """
+    if name is None:
+        return Outcome(Report(lambda _: _listed()))
+    if name not in MISSIONS:
+        raise InputError(f"no mission {name}", help=suggestion(name, MISSIONS))
+    return Outcome(mission_text(name))
+
+
+def _listed() -> list[Text]:
+    rows = [(name, mission_summary(name)) for name in MISSIONS]
+    return [line(("Missions", "bold")), *columns(rows, ("cyan",), indent=2)]

@@ -1,0 +1,66 @@
+"""`rtron model`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from rtron.cli.support.options import Output
+from rtron.cli.support.outcome import STDOUT, Outcome
+from rtron.reports.neutral import neutral
+from rtron.vocabulary import Unresolved
+
+model = typer.Typer(name="model", no_args_is_help=True, help="Work on models of known nodes.")
+
+
+@model.callback()
+def models() -> None:
+    """Work on models: what nodes declare whose source is mostly absent."""
+
+
+@model.command()
+def draft(
+    source: Annotated[Path, typer.Argument(metavar="PATH", help="A node's script or main source.")],
+    *,
+    packages: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="DIR", help="Where its packages lie; can be repeated."),
+    ] = None,
+    output: Output = STDOUT,
+) -> Outcome:
+    """Draft a model of a node from its source.
+
+    The draft is YAML as docs/models.md describes it. Check every entry, and
+    fill in the repository and its tag. What the source does not tell stands on
+    standard error.
+
+    $ rtron model draft src/my_package/scripts/my_node.py
+    $ rtron model draft my_package/src/main.cpp --packages src -o my_node.yaml
+
+    Exit code: 0 drafted, 2 no program.
+    """
+    from rtron.sources.static.common.model_draft import draft_model  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.static.common.worker import deep_recursion  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - the guard starts without it
+
+    workspace = read_workspace(packages or [_package(source)], {})
+    with deep_recursion():
+        drafted = draft_model(source, workspace)
+    _remark(drafted.unresolved)
+    return Outcome(drafted.text, to=output)
+
+
+def _package(source: Path) -> Path:
+    """Return the folder of the package that a file lies in, else the file's own."""
+    parents = source.absolute().parents
+    return next((folder for folder in parents if (folder / "package.xml").is_file()), parents[0])
+
+
+def _remark(unresolved: Sequence[Unresolved]) -> None:
+    console = Console(stderr=True, highlight=False)
+    for each in unresolved:
+        place = "".join(f"{e.file}:{e.line}: " for e in each.evidence[:1])
+        console.print(Text(neutral(f"{place}{each.what}: {each.why}")), soft_wrap=True)

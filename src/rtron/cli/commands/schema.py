@@ -1,0 +1,37 @@
+"""`rtron schema`."""
+
+from collections.abc import Callable, Mapping
+from enum import Enum
+from typing import Annotated, Any
+
+import typer
+
+from rtron.cli.support.outcome import Outcome, as_json
+from rtron.planning.plan_file.json_schema import plan_json_schema
+from rtron.sources.graph_json import graph_json_schema
+
+
+class Document(str, Enum):
+    """A document that RTron reads."""
+
+    PLAN = "plan"
+    GRAPH = "graph"
+
+
+_SCHEMAS: Mapping[Document, Callable[[], dict[str, Any]]] = {
+    Document.PLAN: plan_json_schema,
+    Document.GRAPH: graph_json_schema,
+}
+
+
+def schema(
+    document: Annotated[Document, typer.Argument(help="The document to describe.")],
+) -> Outcome:
+    """Print the JSON Schema of a plan or a graph.
+
+    Give it to your editor: it then completes and checks rtron.yaml while you
+    write.
+
+    $ rtron schema plan > rtron.schema.json
+    """
+    return Outcome(as_json(_SCHEMAS[document]()))

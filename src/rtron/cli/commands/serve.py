@@ -1,0 +1,144 @@
+"""`rtron serve`."""
+
+import logging
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rtron.cli.commands.guard import LogLevel
+from rtron.cli.support.outcome import Outcome
+from rtron.cli.support.service_database import DEFAULT_DATABASE, DatabaseOption, need_service
+from rtron.errors import InputError
+
+if TYPE_CHECKING:
+    from rtron.service.config import Config, Tls
+
+_MIB = 1 << 20
+
+
+def serve(  # noqa: PLR0913 - one for each option
+    *,
+    host: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="Where to listen; 0.0.0.0 is everywhere.")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(metavar="N", help="The port to listen on.")] = 8600,
+    database: DatabaseOption = DEFAULT_DATABASE,
+    tls_cert: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The certificate and its chain, PEM.")
+    ] = None,
+    tls_key: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The certificate's private key, PEM.")
+    ] = None,
+    allow_host: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="A name that it is called by; can be repeated."),
+    ] = None,
+    proxy: Annotated[
+        list[str] | None,
+        typer.Option(metavar="ADDRESS", help="A reverse proxy before it, which speaks TLS."),
+    ] = None,
+    insecure_http: Annotated[
+        bool, typer.Option("--insecure-http", help="Be reachable from elsewhere without TLS.")
+    ] = False,
+    keep_days: Annotated[
+        float, typer.Option(metavar="DAYS", help="How long events are kept.")
+    ] = 30.0,
+    keep_mb: Annotated[
+        int, typer.Option(metavar="MB", help="How much events may take on disk.")
+    ] = 4096,
+    log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
+) -> Outcome:
+    r"""Run the security service: collector of the guards, API and console.
+
+    Without options it serves this machine alone, and keeps all in rtron.db.
+
+    $ rtron serve
+    $ rtron serve --database /var/lib/rtron/rtron.db
+    $ rtron serve --database postgresql://rtron@db/rtron
+    $ rtron serve --host 0.0.0.0 --allow-host robots.example.org \
+          --tls-cert cert.pem --tls-key key.pem
+
+    The first start makes the user admin and shows the password, this once.
+    Guards need a token each:
+
+    $ rtron token create car1 --scope guard --robot car1 --token-file car1.token
+    $ rtron guard --plan rtron.yaml --service http://127.0.0.1:8600 \
+          --robot car1 --token-file car1.token
+
+    Ctrl-C ends it; guards go on with their last settings meanwhile.
+
+    Exit code: 0 ended, 2 bad options, no place to listen, or another service on
+    the database.
+    """
+    need_service()
+    from rtron.service.config import Config  # noqa: PLC0415 - only with the extra
+    from rtron.service.store.retention import Bounds  # noqa: PLC0415
+
+    _log(log_level)
+    config = Config(
+        database=database,
+        host=host,
+        port=port,
+        tls=_tls(tls_cert, tls_key),
+        allowed_hosts=tuple(allow_host or ()),
+        proxies=tuple(proxy or ()),
+        insecure_http=insecure_http,
+        retention=Bounds(days=keep_days, size=keep_mb * _MIB),
+    )
+    _run(config)
+    return Outcome("")
+
+
+def _log(level: LogLevel) -> None:
+    """Log to standard error; httpx would tell whole URLs, and a webhook's may hold a secret."""
+    logging.basicConfig(level=level.value.upper(), format="%(levelname)s %(message)s")
+    for name in ("httpx", "httpcore", "alembic"):
+        logging.getLogger(name).setLevel(logging.WARNING)
+
+
+def _run(config: "Config") -> None:
+    from rtron.service.server.app import create_app  # noqa: PLC0415
+    from rtron.service.server.database_setup import add_first_admin  # noqa: PLC0415
+    from rtron.service.server.http import serve as run  # noqa: PLC0415
+    from rtron.service.server.instance_lock import alone  # noqa: PLC0415 - only with the extra
+
+    app = create_app(config)
+    service = app.state.service
+
+    def ready() -> None:
+        _greet(config, add_first_admin(service.database, service.clock()))
+
+    with alone(service.database):
+        run(app, config, ready)
+
+
+def _greet(config: "Config", password: str | None) -> None:
+    scheme = "https" if config.tls else "http"
+    host = f"[{config.host}]" if ":" in config.host else config.host
+    sys.stderr.write(f"RTron security service: {scheme}://{host}:{config.port}/\n")
+    if password:
+        sys.stderr.write(f"first start: log in as admin with the password {password}\n")
+        sys.stderr.write("it is shown this once; change it in the console\n")
+    if not (config.is_local or config.allowed_hosts):
+        sys.stderr.write(
+            f"it answers only to the names {', '.join(sorted(config.names))}: "
+            "give the name that others call it by with --allow-host\n"
+        )
+    if not (config.is_local or config.tls):
+        sys.stderr.write(
+            "WARNING: no TLS: whoever is on the network between can read passwords and tokens, "
+            "and steer the robots with them\n"
+        )
+
+
+def _tls(cert: Path | None, key: Path | None) -> "Tls | None":
+    from rtron.service.config import Tls  # noqa: PLC0415 - only with the extra
+
+    if cert and key:
+        return Tls(cert=cert, key=key)
+    if cert or key:
+        help = "give --tls-cert and --tls-key"
+        raise InputError("TLS needs a certificate and its key", help=help)
+    return None

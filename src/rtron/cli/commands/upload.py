@@ -1,0 +1,52 @@
+"""`rtron upload`."""
+
+from collections import Counter
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rtron.cli.support.outcome import Outcome
+from rtron.reports.lines import counted
+from rtron.sources.bounded_file import read_bounded
+from rtron.workflows.service_client import (
+    DEFAULT_SERVICE,
+    CaOption,
+    RobotOption,
+    ServiceOption,
+    TokenOption,
+    client,
+)
+
+_LONGEST = 16 << 20
+
+
+def upload(
+    graph: Annotated[
+        Path,
+        typer.Argument(metavar="GRAPH.json", help="The app's interaction graph; - is stdin."),
+    ],
+    *,
+    service: ServiceOption = DEFAULT_SERVICE,
+    token_file: TokenOption = None,
+    robot: RobotOption = "",
+    ca: CaOption = None,
+) -> Outcome:
+    """Give the console the interaction graph of a robot's app, with its risks.
+
+    Without it the console draws only what the plan names. It takes the role
+    developer.
+
+    $ rtron scan src --launch pkg/app.launch --format graph -o graph.json
+    $ rtron upload graph.json --robot car1 --token-file me.token
+
+    Exit code: 0 stored, 2 not.
+    """
+    called = client(service, token_file, ca)
+    data = read_bounded(graph, _LONGEST)
+    name = called.robot(robot)
+    risks = called.put("robots", name, "graph", data=data)["risks"]
+    kinds = Counter(risk["kind"] for risk in risks)
+    told = ", ".join(f"{number} {kind}" for kind, number in sorted(kinds.items()))
+    found = f"{counted(len(risks), 'risk')}{f': {told}' if told else ''}"
+    return Outcome(f"{name} has the graph; {found}\n")

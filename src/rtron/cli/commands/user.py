@@ -1,0 +1,85 @@
+"""`rtron user`."""
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rtron.cli.support.outcome import Outcome
+from rtron.cli.support.service_database import (
+    DEFAULT_DATABASE,
+    OFFLINE,
+    DatabaseOption,
+    made,
+    opened,
+    secret_file,
+)
+
+user = typer.Typer(
+    name="user", no_args_is_help=True, help="Add users in the service's database, reset passwords."
+)
+
+
+class RoleOption(str, Enum):
+    """What a user is."""
+
+    ADMIN = "admin"
+    DEVELOPER = "developer"
+    END_USER = "end_user"
+
+
+Name = Annotated[str, typer.Argument(metavar="NAME", help="The user.")]
+PasswordFile = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Write the password here instead, mode 0600.")
+]
+
+
+@user.callback()
+def users() -> None:
+    """Work on users beside the running service; it need not run."""
+
+
+@user.command()
+def add(
+    name: Name,
+    *,
+    role: Annotated[list[RoleOption], typer.Option(help="What the user is; can be repeated.")],
+    password_file: PasswordFile = None,
+    database: DatabaseOption = DEFAULT_DATABASE,
+) -> Outcome:
+    """Add a user with a new password, and show it this once.
+
+    A database that is not there is made: so the first admin can be added
+    before the service is started for the first time.
+
+    $ rtron user add mary --role developer --role end_user
+
+    Exit code: 0 added, 2 bad options or a name that is taken.
+    """
+    with made(database) as found, secret_file(password_file) as keep:
+        from rtron.service.server.offline_accounts import make_user  # noqa: PLC0415 - only with the extra
+
+        return Outcome(keep(make_user(found, OFFLINE, name, [each.value for each in role])))
+
+
+@user.command()
+def password(
+    name: Name,
+    *,
+    password_file: PasswordFile = None,
+    database: DatabaseOption = DEFAULT_DATABASE,
+) -> Outcome:
+    """Give a user a new password, and show it this once.
+
+    For an admin who has lost it. The user may log in again if that was
+    forbidden, and the user's sessions end.
+
+    $ rtron user password admin
+
+    Exit code: 0 done, 2 there is no such user.
+    """
+    with opened(database) as found, secret_file(password_file) as keep:
+        from rtron.service.server.offline_accounts import reset_password  # noqa: PLC0415 - only with the extra
+
+        return Outcome(keep(reset_password(found, OFFLINE, name)))

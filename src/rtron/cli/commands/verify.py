@@ -1,0 +1,81 @@
+"""`rtron verify`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rtron.cli.support.options import (
+    DEFAULT_MASTER,
+    DEFAULT_TIMEOUT,
+    Domain,
+    Master,
+    TextOrJson,
+    Timeout,
+)
+from rtron.cli.support.outcome import BAD_INPUT, FOUND, OK, Outcome, as_json
+from rtron.cli.verified import verified_json, verified_text
+from rtron.errors import InputError
+from rtron.guard.audit.ros1.verification import Verification
+from rtron.planning.plan_file.loader import read_plan
+from rtron.vocabulary import Plan
+
+Live = Annotated[bool, typer.Option("--live", help="Verify the app that is running.")]
+
+
+def verify(
+    *,
+    live: Live = False,
+    plan: Annotated[
+        Path, typer.Option("--plan", metavar="rtron.yaml", help="The plan of the guarded app.")
+    ] = Path("rtron.yaml"),
+    master: Master = DEFAULT_MASTER,
+    domain: Domain = None,
+    timeout: Timeout = DEFAULT_TIMEOUT,
+    format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
+) -> Outcome:
+    """Look whether the guard is really in the way of the app that is running.
+
+    In ROS 1 every node behind the guard is asked who speaks to it, since a
+    publisher that never registered shows nowhere else. In ROS 2 the domain
+    tells it, and whose a name is by the participants; `--timeout`
+    is how long that may take to settle. For each path of the plan:
+
+    closed        only the guard is heard, on the private topic
+    open          somebody else is heard, too: it is named
+    drift         the node uses the public name: its remap is missing
+    unknown       the node runs and does not answer
+    not running   nobody to be guarded
+
+    $ rtron verify --live
+    $ rtron verify --live --plan rtron.yaml --master http://robot:11311
+    $ rtron verify --live --domain 7                a plan that says `ros: 2`
+    $ rtron verify --live --format json | jq .verdict
+
+    It changes nothing, and joins no graph but a ROS 2 domain, as /rtron_verify.
+    The running guard does the same by itself, all the time; see `audit` in the
+    plan.
+
+    Exit code: 0 closed, 1 open or drifted, 2 it cannot be told.
+    """
+    if not live:
+        help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
+        raise InputError("what is there to verify?", help=help)
+    wanted = read_plan(plan)
+    found = _found(wanted, master, domain, timeout)
+    code = OK if found.closed else FOUND if found.told else BAD_INPUT
+    if format is TextOrJson.JSON:
+        return Outcome(as_json(verified_json(found)), code)
+    return Outcome(verified_text(str(plan), found), code)
+
+
+def _found(plan: Plan, master: str, domain: int | None, timeout: float) -> Verification:
+    """Look at the app that the plan is for; only who verifies loads what that needs."""
+    if plan.ros != 1:
+        from rtron.guard.audit.ros2.live_verification import verify_domain  # noqa: PLC0415
+
+        return verify_domain(plan, timeout, domain)
+    from rtron.guard.audit.ros1.live_verification import verify_live  # noqa: PLC0415
+    from rtron.guard.master_proxy.master_file import private_master  # noqa: PLC0415
+
+    return verify_live(plan, private_master(master), timeout)

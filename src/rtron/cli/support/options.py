@@ -1,0 +1,121 @@
+"""The arguments and options that several commands share."""
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rtron.wire.ros2.domain_id import LAST_DOMAIN
+from rtron.workflows.launch_listing import complete_launch
+
+
+class Ros(str, Enum):
+    """The ROS that a running app speaks."""
+
+    AUTO = "auto"
+    ONE = "1"
+    TWO = "2"
+
+
+Inputs = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="PATH|GRAPH.json|BAG [ARG:=VALUE]",
+        help="The app's source folders, its interaction graph (- is standard input), or a bag: "
+        ".bag, .mcap, .db3, or a ROS 2 bag's folder. Arguments are for every --launch.",
+    ),
+]
+Launches = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--launch",
+        metavar="PKG/FILE",
+        help="A launch file that starts the app, `pkg/file.launch` or a path; can be repeated. "
+        "Arguments in the same word are for it alone: 'pkg/file.launch x:=1'.",
+        autocompletion=complete_launch,
+    ),
+]
+Env = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--env",
+        metavar="NAME=VALUE",
+        help="The app's environment; can be repeated. Yours is not used, but ROS_PACKAGE_PATH.",
+    ),
+]
+Execute = Annotated[
+    bool,
+    typer.Option(
+        "--execute-launch",
+        help="RUN the Python of ROS 2 launch files, with your rights, where reading them leaves "
+        "something open. Needs ROS 2's launch library. Nothing that they start is started.",
+    ),
+]
+LaunchPython = Annotated[
+    str | None,
+    typer.Option(
+        "--launch-python",
+        metavar="PYTHON",
+        help="The Python that has launch, for --execute-launch; if not given, that of `ros2`.",
+        show_default=False,
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs", "-j", min=1, metavar="N", help="Work on N nodes at a time; no more than cores."
+    ),
+]
+NoCache = Annotated[bool, typer.Option("--no-cache", help="Read everything anew, keep nothing.")]
+Live = Annotated[bool, typer.Option("--live", help="Read the app that is running instead.")]
+Master = Annotated[
+    str, typer.Option(envvar="ROS_MASTER_URI", metavar="URI", help="The ROS master of the app.")
+]
+RosOption = Annotated[
+    Ros,
+    typer.Option(
+        help="Which ROS the running app speaks. auto: ROS_VERSION, as a sourced ROS sets it, or "
+        "else a master that answers (1) or an installed rclpy (2)."
+    ),
+]
+Domain = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        max=LAST_DOMAIN,
+        metavar="ID",
+        help="The ROS 2 domain of the app.  [default: ROS_DOMAIN_ID, or 0]",
+        show_default=False,
+    ),
+]
+Timeout = Annotated[
+    float, typer.Option(min=0.1, metavar="S", help="Seconds to wait for each answer of the app.")
+]
+LiveTimeout = Annotated[
+    float | None,
+    typer.Option(
+        min=0.1,
+        metavar="S",
+        help="Seconds to wait: in ROS 1 for each answer, in ROS 2 until all nodes are found.  "
+        "[default: 5, in ROS 2 15]",
+        show_default=False,
+    ),
+]
+Lists = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Your own message types and topic names for the rules."),
+]
+Output = Annotated[
+    Path, typer.Option("--output", "-o", metavar="FILE", help="Write to a file; - prints.")
+]
+PlanOption = Annotated[Path, typer.Option("--plan", metavar="rtron.yaml", help="The plan.")]
+DEFAULT_MASTER = "http://localhost:11311"
+DEFAULT_TIMEOUT = 5.0
+
+
+class TextOrJson(str, Enum):
+    """For a person or for a program."""
+
+    TEXT = "text"
+    JSON = "json"

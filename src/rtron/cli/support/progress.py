@@ -1,0 +1,43 @@
+"""A progress bar on standard error, where that is a terminal."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+from rtron.reports.neutral import neutral
+from rtron.sources.static.common.scan_options import Progress as Told
+from rtron.sources.static.common.scan_options import ignore_progress
+
+_MAX_SHOWN = 40
+
+
+@contextmanager
+def shown_progress() -> Iterator[Told]:
+    """Yield what takes the progress of a scan; it shows it until it ends."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield ignore_progress
+        return
+    parts = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn())
+    with Progress(*parts, console=console, transient=True) as bar:
+        task = bar.add_task("reading", total=None)
+
+        def tell(done: int, known: int, what: str) -> None:
+            said = neutral(what)[:_MAX_SHOWN]
+            bar.update(task, completed=done, total=known, description=said)
+
+        yield tell
+
+
+@contextmanager
+def counting(what: str) -> Iterator[Callable[[int], None]]:
+    """Yield what takes a number that grows, of what nobody knows how many there are."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda done: None
+        return
+    with Progress(TextColumn("{task.completed:,.0f} {task.description}"), console=console) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done: bar.update(task, completed=done)

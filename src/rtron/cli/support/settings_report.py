@@ -1,0 +1,144 @@
+"""What `rtron settings` says."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from rich.text import Text
+
+from rtron.planning.plan_file.durations import write_duration
+from rtron.reports.lines import Report, columns, heading, line
+from rtron.reports.neutral import neutral
+
+_View = Mapping[str, Any]
+_OUTCOMES = {
+    "pending": "sent; the guard has not answered yet",
+    "applied": "in force",
+    "refused": "REFUSED by the guard",
+    "replaced": "replaced by a newer revision",
+}
+_SETTABLE = (
+    "policy",
+    "release_after",
+    "max_age",
+    "max_hold",
+    "threshold",
+    "max_vel_limit",
+)
+_DURATIONS = ("release_after", "max_age", "max_hold", "timeout")
+_UNITS = {"threshold": "m/frame", "max_vel_limit": "m/s"}
+
+
+def told(view: _View) -> str:
+    """Return what became of settings, on one line."""
+    error = f": {view['error']}" if view["error"] else ""
+    return f"revision {view['revision']}: {_OUTCOMES[view['outcome']]}{error}\n"
+
+
+def stopped_by(view: _View) -> str:
+    """Return on one line who has stopped the robot, and why."""
+    stop = view["settings"]["stop"]
+    return f"stopped by {neutral(_who_and_why(stop))}\n" if stop else ""
+
+
+def nodes_report(robot: str, view: _View, nodes: Sequence[_View]) -> Report:
+    """Return the coordination nodes of a robot, a line each."""
+    return Report(lambda _: [*_head(robot, view), *_nodes(nodes)])
+
+
+def node_report(view: _View, node: _View) -> Report:
+    """Return all of one coordination node that can be set, beside what the plan says."""
+    return Report(lambda _: _node(view, node))
+
+
+def _head(robot: str, view: _View) -> Iterator[Text]:
+    by = f", by {view['by']}" + (f": {view['reason']}" if view["reason"] else "")
+    yield line((robot, "bold"), f"  {told(view).rstrip()}{by}")
+    yield from _stop(view)
+
+
+def _stop(view: _View) -> Iterator[Text]:
+    stop = view["settings"]["stop"]
+    if stop:
+        yield line((f"EMERGENCY STOP by {_who_and_why(stop)}", "bold red"))
+
+
+def _who_and_why(stop: _View) -> str:
+    return f"{stop['by']}" + (f": {stop['reason']}" if stop["reason"] else "")
+
+
+def _nodes(nodes: Sequence[_View]) -> Iterator[Text]:
+    yield Text()
+    rows = [
+        (node["id"], node["type"], _policy(node), _override(node), " ".join(node["topics"]))
+        for node in nodes
+    ]
+    yield from columns(rows, ("bold", "cyan"), indent=2) if rows else ()
+
+
+def _policy(node: _View) -> str:
+    now, planned = node["effective"].get("policy", ""), node["plan"].get("policy", "")
+    return str(now) if now == planned else f"{now} (plan: {planned})"
+
+
+def _override(node: _View) -> str:
+    return f"overridden by {node['override']['by']}" if node["override"] else ""
+
+
+def _node(view: _View, node: _View) -> Iterator[Text]:
+    yield line((node["id"], "bold"), f"  {node['type']}  {node['description']}")
+    yield line(told(view).rstrip(), indent=2)
+    yield from _stop(view)
+    if node["violation_cause"]:
+        yield from heading("Last violation")
+        for key in ("violated_rule", "violation_cause", "violation_details"):
+            yield line(node[key], indent=2)
+    yield from heading("Settings")
+    yield from columns(list(_settings(node)), ("bold",), indent=2)
+    yield Text()
+    rights = ", ".join(node["rights"]) or "look only"
+    yield line(("You may: ", "dim"), rights)
+
+
+def _settings(node: _View) -> Iterator[tuple[str, str, str]]:
+    now, planned = node["effective"], node["plan"]
+    for key in _SETTABLE:
+        if now.get(key) is not None:
+            yield _row(key, key, now, planned)
+    was = {flow["name"]: flow for flow in _flows(planned)}
+    for flow in _flows(now):
+        for key in ("priority", "block", "timeout"):
+            if flow[key] is not None:
+                yield _row(f"{flow['name']}.{key}", key, flow, was[flow["name"]])
+    yield from _rules(node)
+
+
+def _rules(node: _View) -> Iterator[tuple[str, str, str]]:
+    planned = {rule["name"]: rule for rule in node["plan"].get("rules", ())}
+    now = {rule["name"]: rule for rule in node["effective"].get("rules", ())}
+    for name in {**planned, **now}:
+        rule = now.get(name) or planned[name]
+        words = f"while {rule['when']} blocks {', '.join(rule['block'])}"
+        mark = "" if name in planned else "your own"
+        mark = "mandatory" if name in node["mandatory"] else mark
+        yield name, words if name in now else f"not selected ({words})", mark
+
+
+def _flows(node: _View) -> Iterator[_View]:
+    yield from node.get("flows", ())
+    for topic in (*node.get("vflows", ()), *node.get("aflows", ())):
+        yield from topic["flows"]
+
+
+def _row(name: str, key: str, now: _View, planned: _View) -> tuple[str, str, str]:
+    value, was = _written(key, now[key]), _written(key, planned[key])
+    return name, value, "" if value == was else f"plan: {was}"
+
+
+def _written(key: str, value: Any) -> str:  # noqa: ANN401 - JSON
+    if value is None:
+        return "none"
+    if key in _DURATIONS:
+        return write_duration(value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g} {_UNITS[key]}" if key in _UNITS else str(value)

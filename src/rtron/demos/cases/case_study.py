@@ -1,0 +1,71 @@
+"""A case: what the attack is, what harm is, and what the developer decides against it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rtron.demos.metrics.trajectory import Scene
+from rtron.demos.world.ground_truth import Truth
+
+Decisions = Mapping[str, Any]
+"""What the developer changes in the proposed plan, as `rtron.demos.runtime` applies it."""
+
+GOAL = "/move_base_simple/goal"
+ALL_PASS = {"policy": "Block"}
+"""Of a GRCN that lets all nodes of the plan pass, since none is blocked; strangers do not pass."""
+GOALS_AT_ONCE = {GOAL: ALL_PASS}
+"""A new goal replaces the last, and does not wait for it to be reached."""
+MAX_VEL = "/control/max_vel"
+_REPEATED = 3.0
+"""Simulated s: three times the period in which the maximal velocity is told."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """What the decisions depend on: the world's scene and speed, and the camera's rate.
+
+    `rate` is in images a simulated second. The guard's clock is that of the wall, in which a
+    world of speed 3 shows it three times as many; `window` (wall s) is how long it counts them.
+    """
+
+    scene: Scene
+    speed: float
+    rate: float
+    window: float = 0.3
+
+    @property
+    def patient(self) -> Decisions:
+        """Of the maximal velocity's GRCN: who tells one stays in control until the next."""
+        return {MAX_VEL: {"release_after": f"{_REPEATED / self.speed:g} s"}}
+
+    @property
+    def wall_rate(self) -> float:
+        """Images a wall second."""
+        return self.rate * self.speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One of the paper's three case studies (section 7.4 and appendix D).
+
+    `harm` names the harm in a sample of a scene, "" for none; `is_malicious` tells a malicious
+    message of a scene by its topic and value, where it arrives. The attack begins when the robot
+    has moved for `after` simulated s. `by_hand`: a second attacker is started under another name.
+    `turns`: how fast the robot turns tells of the attack, too.
+    The texts are for people, each a sentence or two; `remedy` is why the plan is as it is.
+    """
+
+    name: str
+    title: str
+    attacker: str
+    topic: str
+    risk: str
+    after: float
+    by_hand: bool = False
+    turns: bool = False
+    harms: str
+    attack: str
+    remedy: str
+    harm: Callable[[Truth, Scene], str]
+    is_malicious: Callable[[str, Sequence[float], Scene], bool]
+    decisions: Callable[[Setting], Decisions]

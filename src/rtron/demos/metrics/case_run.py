@@ -1,0 +1,127 @@
+"""A run of a case, measured."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from enum import Enum
+from typing import Any
+
+from rtron.demos.metrics.deviation import Deviation
+from rtron.demos.metrics.guard_events import Event
+from rtron.demos.metrics.message_journal import Attack
+from rtron.demos.world.ground_truth import Truth
+
+COLLISION = "collision"
+_PLAIN = ("case", "ros", "seed", "speed", "outcome", "completed", "harm", "collided", "ended")
+_MEASURED = ("time_to_goal", "harmed_at", "sent", "delivered", "attack_span")
+_MITIGATED = ("mitigation", "mitigated_after")
+STOPPED, NOTHING, NEVER = "stopped", "nothing arrived", "never"
+
+
+class Variant(str, Enum):
+    """How a case is run."""
+
+    UNATTACKED = "unattacked"
+    ATTACKED = "attacked"
+    GUARDED = "guarded"
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """What came of a run of `case` in the world of `seed`, at `speed` simulated s a wall s.
+
+    `harm` says what harm came first, "" for none; `harmed_at` is when, `ended` when the run was
+    over, `time_to_goal` when the goal was reached (simulated s since the start, None: never).
+    `mitigated_after` is in wall s, None where no verdict tells it; `deviation` is from the way of
+    the unattacked run.
+    `publishers` names who speaks, by topic and flow of the guard.
+    """
+
+    case: str
+    ros: int
+    seed: int
+    speed: float
+    variant: Variant
+    completed: bool
+    harm: str
+    collided: bool
+    ended: float
+    time_to_goal: float | None
+    harmed_at: float | None
+    began_wall: float
+    attack: Attack = field(default_factory=Attack)
+    mitigated_after: float | None = None
+    deviation: Deviation | None = None
+    samples: tuple[Truth, ...] = ()
+    events: tuple[Event, ...] = ()
+    publishers: Mapping[tuple[str, str], str] = field(default_factory=dict)
+
+    @property
+    def guarded(self) -> bool:
+        """Whether the guard stood in the way."""
+        return self.variant is Variant.GUARDED
+
+    @property
+    def attacked(self) -> bool:
+        """Whether there was to be an attack."""
+        return self.variant is not Variant.UNATTACKED
+
+    @property
+    def outcome(self) -> str:
+        """What came of it, in a word or two."""
+        if self.harm:
+            return self.harm
+        return "completed" if self.completed else "not completed"
+
+    @property
+    def harms(self) -> dict[str, Truth]:
+        """The first moment of each harm that the samples show: of `harm`, and of a collision."""
+        found = {}
+        if self.harmed_at is not None:
+            found[self.harm] = next(each for each in self.samples if each.t >= self.harmed_at)
+        if self.collided and self.harm != COLLISION:
+            found[COLLISION] = next(each for each in self.samples if each.collided)
+        return found
+
+    @property
+    def sent(self) -> int:
+        """How many malicious messages were sent."""
+        return len(self.attack.sent)
+
+    @property
+    def delivered(self) -> int:
+        """How many malicious messages arrived where they do harm."""
+        return len(self.attack.delivered)
+
+    @property
+    def mitigation(self) -> str:
+        """What became of the attack: STOPPED, NOTHING, NEVER, or "" if none was made.
+
+        NOTHING (arrived) is where no verdict tells when one was stopped.
+        """
+        if not self.sent:
+            return ""
+        if self.mitigated_after is not None:
+            return STOPPED
+        return NEVER if self.delivered else NOTHING
+
+    @property
+    def attack_span(self) -> tuple[float, float] | None:
+        """When the first and the last malicious message was sent, simulated s since the start."""
+        if not self.attack.sent:
+            return None
+        first, last = self.attack.sent[0], self.attack.sent[-1]
+        return (first - self.began_wall) * self.speed, (last - self.began_wall) * self.speed
+
+    def as_json(self, *, whole: bool = False) -> dict[str, Any]:
+        """Return the run as plain JSON, its samples only if it is to be `whole`."""
+        found = {name: getattr(self, name) for name in (*_PLAIN, *_MEASURED, *_MITIGATED)}
+        found["variant"] = self.variant.value
+        found["deviation"] = asdict(self.deviation) if self.deviation else None
+        return found | ({"samples": [each.as_json() for each in self.samples]} if whole else {})
+
+
+Runs = Mapping[Variant, Run]
+"""The runs of a case in one world, by variant."""

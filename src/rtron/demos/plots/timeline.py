@@ -1,0 +1,64 @@
+"""What the guard decided about whose messages, over time."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rtron.demos.metrics.case_run import Run
+from rtron.demos.metrics.guard_events import DECISIONS
+from rtron.demos.plots.lanes import WORDS, Lane, lanes
+from rtron.demos.plots.style import FAINT, MUTED, Style, drawn, legend_below, shade_attack
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_COLOURS = {"pass": "#009e73", "hold": "#56b4e9", "drop": "#d55e00", "modify": "#e6b400"}
+_ROW, _AROUND = 0.62, 1.5
+_SHARE = 0.78
+"""Of a lane's height that the bar of its busiest second takes."""
+
+_GAP = 0.96
+"""Of a second's width that its bar takes, so that the seconds can be told apart."""
+
+
+def timeline(path: Path, title: str, run: Run, topics: Sequence[str]) -> None:
+    """Draw a guarded run's decisions on some topics, second by second, into the PNG `path`."""
+    found = lanes(run, topics)
+    with drawn(path, _AROUND + _ROW * max(1, len(found))) as (figure, (axes,)):
+        axes.set_title(title)
+        shade_attack(axes, run)
+        for number, lane in enumerate(found):
+            _draw(axes, len(found) - 1 - number, lane, run)
+        axes.set_ylim(-0.1, len(found))
+        axes.set_xlim(0, run.ended)
+        axes.set_yticks([])
+        axes.spines["left"].set_visible(False)
+        axes.set_xlabel("time since the start [simulated s]")
+        _explain(axes, found)
+        legend_below(figure, axes, columns=5)
+
+
+def _draw(axes: "Axes", row: int, lane: Lane, run: Run) -> None:
+    wide = _GAP * run.speed
+    axes.axhline(row, color=FAINT, linewidth=1)
+    for began, counts in lane.bars:
+        bottom = float(row)
+        for name in DECISIONS:
+            height = _SHARE * counts[name] / lane.busiest
+            axes.bar(began, height, wide, bottom, align="edge", color=_COLOURS[name])
+            bottom += height
+    outside: Style = {
+        "xycoords": ("axes fraction", "data"),
+        "va": "center",
+        "annotation_clip": False,
+    }
+    axes.annotate(f"{lane.publisher}\nto {lane.topic}", (-0.01, row + 0.4), ha="right", **outside)
+    totals = lane.totals.replace(", ", "\n")
+    axes.annotate(totals, (1.01, row + 0.4), ha="left", color=MUTED, **outside)
+
+
+def _explain(axes: "Axes", found: Sequence[Lane]) -> None:
+    """Give the legend an entry for each decision that occurs."""
+    for name, word in WORDS.items():
+        if any(counts[name] for lane in found for _, counts in lane.bars):
+            axes.bar(0, 0, color=_COLOURS[name], label=word)

@@ -1,0 +1,110 @@
+"""What the security service has recorded of a guard, asked of its API."""
+
+import json
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from http.client import HTTPException
+from typing import Any
+from urllib.error import URLError
+from urllib.parse import urlencode
+from urllib.request import ProxyHandler, Request, build_opener
+
+from rtron.demos.runtime.polling import wait_for
+from rtron.errors import SourceError
+
+Event = Mapping[str, Any]
+"""An event as the service has it: `at` (wall ns), `kind`, `topic`, `flow`, `decision`, `reason`…"""
+_LIMIT = 10.0
+_PAGE = 1000
+_SECOND = 1_000_000_000
+_LATE = 1.5
+"""Seconds after which what the guard had to tell of a moment is stored: it tells once a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """How many messages of a flow met which decision."""
+
+    passed: int = 0
+    held: int = 0
+    dropped: int = 0
+    modified: int = 0
+
+    def __add__(self, other: "Tally") -> "Tally":
+        return Tally(
+            self.passed + other.passed,
+            self.held + other.held,
+            self.dropped + other.dropped,
+            self.modified + other.modified,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """The events of one robot's guard. SourceError where the service does not answer.
+
+    Times are ns of the wall clock; `until` is excluded, None is now.
+    """
+
+    url: str
+    token: str
+    robot: str
+
+    def robots(self) -> list[Mapping[str, Any]]:
+        """Return the robots that the service knows, with the state of each one's guard."""
+        found: list[Mapping[str, Any]] = self._get("robots")
+        return found
+
+    def state(self) -> Mapping[str, Any] | None:
+        """Return what the guard told of itself last (a GuardState as JSON); None: nothing yet."""
+        found: list[Mapping[str, Any] | None]
+        found = [each["state"] for each in self.robots() if each["name"] == self.robot]
+        return found[0] if found else None
+
+    def wait_until_linked(self, since: int) -> None:
+        """Wait until a guard that runs has told its state at `since` or later."""
+        wait_for(lambda: self._told_at() >= since, "the guard to tell the service of itself")
+
+    def events(self, since: int, until: int | None = None, kind: str = "") -> list[Event]:
+        """Return events in the order of time, once all of them are stored."""
+        end = time.time_ns() if until is None else until
+        self.wait_until_linked(end + int(_LATE * _SECOND))
+        wanted = {"since": since, "until": end} | ({"kind": kind} if kind else {})
+        return sorted(self._pages(wanted), key=lambda event: event["at"])
+
+    def counts(self, since: int, until: int | None = None) -> dict[str, dict[str, Tally]]:
+        """Return by topic and flow how many messages met which decision."""
+        return counted(self.events(since, until, "counts"))
+
+    def _told_at(self) -> int:
+        state = self.state()
+        return int(state["at"]) if state else 0
+
+    def _pages(self, wanted: Mapping[str, object]) -> Iterator[Event]:
+        page = self._get("events", **wanted, robot=self.robot, limit=_PAGE)
+        yield from page["events"]
+        while page["next"]:
+            before = page["next"]
+            page = self._get("events", **wanted, robot=self.robot, limit=_PAGE, before=before)
+            yield from page["events"]
+
+    def _get(self, path: str, **query: object) -> Any:  # noqa: ANN401 - JSON
+        address = f"{self.url}/api/v1/{path}?{urlencode(query)}"
+        request = Request(address, headers={"Authorization": f"Bearer {self.token}"})  # noqa: S310
+        try:
+            with build_opener(ProxyHandler({})).open(request, timeout=_LIMIT) as answer:
+                return json.load(answer)
+        except (URLError, HTTPException, OSError, ValueError) as error:
+            raise SourceError(f"the security service does not answer: {error}") from error
+
+
+def counted(events: list[Event]) -> dict[str, dict[str, Tally]]:
+    """Return the sums of `counts` events, by topic and flow."""
+    found: dict[str, dict[str, Tally]] = {}
+    for event in events:
+        for topic, stream in event["values"]["streams"].items():
+            flows = found.setdefault(topic, {})
+            for flow, tally in stream["flows"].items():
+                flows[flow] = flows.get(flow, Tally()) + Tally(*tally)
+    return found

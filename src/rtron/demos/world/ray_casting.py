@@ -1,0 +1,74 @@
+"""Rays from one place to what stands around: the lidar's and the camera's geometry, vectorised."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rtron.demos.world.ground_truth import Place
+from rtron.demos.world.scenes.scene import Disc, Scene
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Surfaces:
+    """What rays can meet: edges (n, 4: two ends) and discs (m, 3: centre and radius), m."""
+
+    edges: Floats
+    discs: Floats
+
+    def with_discs(self, places: Sequence[Place], radius: float) -> "Surfaces":
+        """Return these surfaces and more discs, which come last."""
+        more = np.array([(x, y, radius) for x, y in places]).reshape(-1, 3)
+        return Surfaces(self.edges, np.concatenate([self.discs, more]))
+
+
+def surfaces(scene: Scene) -> Surfaces:
+    """Return the surfaces of a scene: edges of walls, then those of blocks, and the discs."""
+    edges = list(scene.walls)
+    discs = []
+    for obstacle in scene.obstacles:
+        if isinstance(obstacle, Disc):
+            discs.append((*obstacle.center, obstacle.radius))
+        else:
+            corners = obstacle.polygon
+            pairs = zip(corners, corners[1:] + corners[:1], strict=True)
+            edges += [(*a, *b) for a, b in pairs]
+    return Surfaces(np.array(edges).reshape(-1, 4), np.array(discs).reshape(-1, 3))
+
+
+def distances(seen: Surfaces, origin: Place, angles: Floats) -> Floats:
+    """Return how far it is along each angle (rays) to each edge, then to each disc (columns).
+
+    Shape (rays, edges + discs); infinite where a ray does not meet a surface.
+    """
+    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    at = np.asarray(origin, dtype=np.float64)
+    return np.concatenate([_to_edges(seen.edges, at, rays), _to_discs(seen.discs, at, rays)], 1)
+
+
+def _to_edges(edges: Floats, at: Floats, rays: Floats) -> Floats:
+    first, along = edges[:, :2] - at, edges[:, 2:] - edges[:, :2]
+    with np.errstate(divide="ignore", invalid="ignore"):  # a ray along an edge does not meet it
+        across = _cross(rays[:, None], along[None])
+        far = _cross(first, along)[None] / across
+        share = _cross(first[None], rays[:, None]) / across
+        met = (far >= 0) & (share >= 0) & (share <= 1)
+    return np.where(met, far, np.inf)
+
+
+def _to_discs(discs: Floats, at: Floats, rays: Floats) -> Floats:
+    centres = discs[:, :2] - at
+    along = rays @ centres.T
+    rest = discs[:, 2] ** 2 - (centres**2).sum(axis=1) + along**2
+    with np.errstate(invalid="ignore"):
+        far = along - np.sqrt(rest)
+        return np.where((rest >= 0) & (along > 0), np.maximum(far, 0.0), np.inf)
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    crossed: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return crossed

@@ -1,0 +1,99 @@
+"""The scene of a run: what stands where, who comes by, and which way is right."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from rtron.demos.world.ground_truth import Place
+
+OVERSPEED = 0.26
+"""Above this the robot is too fast, m/s: the cruise of a TurtleBot3 burger, and some spare."""
+
+Pose = tuple[float, float, float]
+Segment = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """A round obstacle, m."""
+
+    center: Place
+    radius: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the obstacle as the protocol has it."""
+        return {"center": self.center, "radius": self.radius}
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """An obstacle with corners, m; convex."""
+
+    polygon: tuple[Place, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the obstacle as the protocol has it."""
+        return {"polygon": self.polygon}
+
+
+Obstacle = Disc | Block
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crossing:
+    """A pedestrian's walk: out of a door, into the robot's way, and back.
+
+    The walk begins when the robot is `ahead` m of the way before the place `stand`; it goes at
+    `pace` m/s, and the pedestrian stands still for `stays` s.
+    """
+
+    door: Place
+    stand: Place
+    ahead: float
+    stays: float
+    pace: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """A world of size (w, h) m with its origin in a corner, and what a run in it is about.
+
+    The light is red until `green_after` s after the start. `area` is the polygon without network.
+    """
+
+    case: str
+    seed: int
+    size: tuple[float, float]
+    walls: tuple[Segment, ...]
+    obstacles: tuple[Obstacle, ...]
+    start: Pose
+    goal: Place
+    route: tuple[Place, ...]
+    area: tuple[Place, ...] | None = None
+    bad_goal: Place | None = None
+    light: Place | None = None
+    green_after: float = 0.0
+    crossings: tuple[Crossing, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the scene as the protocol has it."""
+        return {
+            "case": self.case,
+            "seed": self.seed,
+            "size": self.size,
+            "walls": self.walls,
+            "obstacles": [obstacle.as_json() for obstacle in self.obstacles],
+            "area": self.area,
+            "light": self.light,
+            "pedestrian_paths": [[crossing.door, crossing.stand] for crossing in self.crossings],
+            "start": self.start,
+            "goal": self.goal,
+            "bad_goal": self.bad_goal,
+            "overspeed": OVERSPEED,
+            "route": self.route,
+        }
+
+
+def box(width: float, height: float) -> tuple[Segment, ...]:
+    """Return the four walls around a room, m."""
+    corners = ((0.0, 0.0), (width, 0.0), (width, height), (0.0, height))
+    return tuple(a + b for a, b in zip(corners, corners[1:] + corners[:1], strict=True))

@@ -1,0 +1,66 @@
+"""Runs items in several processes of this machine."""
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any
+
+from rtron.executors.base import Failed, Item, Result
+from rtron.executors.chunked_map import CHUNK, LostError, in_order
+from rtron.executors.parent_process import serve_parent
+
+
+@dataclass(frozen=True, slots=True)
+class Processes:
+    """An Executor of `count` processes; they are started for each map and end with it."""
+
+    count: int
+    chunk: int = CHUNK
+
+    def map(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[Result | Failed]:
+        """Yield each item's result, as Executor says."""
+        with closing(_Pool(self.count)) as pool:
+            yield from in_order(pool, function, items, self.chunk)
+
+
+class _Pool:
+    """Processes that are started anew where one of them has ended."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self._executor: ProcessPoolExecutor | None = None
+
+    def submit(self, function: Callable[..., Any], *arguments: object) -> Callable[[], Any]:
+        """Begin a call; the answer waits for its result."""
+        try:
+            future = self._started().submit(function, *arguments)
+        except BrokenProcessPool:
+            self.close()
+            future = self._started().submit(function, *arguments)
+        return lambda: self._result(future)
+
+    def close(self) -> None:
+        """End the processes."""
+        if self._executor is not None:
+            self._executor.shutdown(cancel_futures=True)
+            self._executor = None
+
+    def _result(self, future: "Future[Any]") -> Any:  # noqa: ANN401 - as the function's
+        try:
+            return future.result()
+        except BrokenProcessPool:
+            raise LostError from None
+
+    def _started(self) -> ProcessPoolExecutor:
+        if self._executor is None:
+            self._executor = ProcessPoolExecutor(
+                max_workers=self.count,
+                mp_context=get_context("spawn"),
+                initializer=serve_parent,
+            )
+        return self._executor

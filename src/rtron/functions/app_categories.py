@@ -1,0 +1,216 @@
+"""What kind of app an app is: the paper's table of apps, by the functions of its nodes.
+
+A category fits an app whose nodes have all its functions. Of those that fit, the most specific
+count: no other that fits has all of its functions and more. Categories that share one set of
+functions (Face/Person and Object/Scene Detection; Object Search and Autonomous Driving) cannot be
+told apart by it, so both are named.
+"""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from rtron.functions.interactions.typical_messages import typical
+from rtron.functions.node_functions import NodeFunctions, functions_of_nodes
+from rtron.functions.package_data import shipped
+from rtron.functions.traffic_rules import (
+    NodeTraffic,
+    TrafficRule,
+    node_traffic,
+    rule_of,
+    says_like,
+)
+from rtron.vocabulary import FunctionType, InteractionGraph
+
+PAPERS_APPS = 110
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Category:
+    """A row of the paper's table; `one_of` are functions of which one at least is there."""
+
+    name: str
+    functions: frozenset[FunctionType]
+    one_of: frozenset[FunctionType] = frozenset()
+    apps: int = 0
+    robots: tuple[str, ...] = ()
+    example: str = ""
+
+    def needs(self, present: Collection[FunctionType]) -> frozenset[FunctionType]:
+        """Return which of the functions present the category takes; none if it does not fit."""
+        chosen = self.one_of & frozenset(present)
+        fits = self.functions <= frozenset(present) and (chosen or not self.one_of)
+        return self.functions | chosen if fits else frozenset()
+
+    def had(self, present: Collection[FunctionType]) -> int:
+        """Return how many functions of the category are there; of `one_of` one counts."""
+        there = frozenset(present)
+        return len(self.functions & there) + (not self.one_of.isdisjoint(there))
+
+    def lacks(self, present: Collection[FunctionType]) -> "Lack":
+        """Return what the category takes and is not there."""
+        no_choice = self.one_of.isdisjoint(present)
+        return Lack(
+            missing=tuple(f for f in FunctionType if f in self.functions - frozenset(present)),
+            one_of=tuple(f for f in FunctionType if f in self.one_of) if no_choice else (),
+        )
+
+    @property
+    def key(self) -> tuple[frozenset[FunctionType], frozenset[FunctionType]]:
+        """What it is told by; categories that share it cannot be told apart."""
+        return self.functions, self.one_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AppRow:
+    """An app, the nodes of each function in it, and its most specific categories.
+
+    `nearest` is a category that it is not of, but has more functions of than of any of its own.
+    """
+
+    app: str
+    functions: Mapping[FunctionType, tuple[str, ...]]
+    categories: tuple[str, ...]
+    nearest: "Nearest | None" = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Nearest:
+    """The categories, of one set of functions, that an app comes nearest to, and what it lacks."""
+
+    categories: tuple[str, ...]
+    lack: "Lack"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lack:
+    """The functions that an app lacks for a category: all of `missing`, and one of `one_of`."""
+
+    missing: tuple[FunctionType, ...] = ()
+    one_of: tuple[FunctionType, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.missing) + bool(self.one_of)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CategoryCount:
+    """How many apps are of categories that share a set, here and in the paper's table."""
+
+    categories: tuple[str, ...]
+    functions: frozenset[FunctionType]
+    one_of: frozenset[FunctionType]
+    apps: int
+    paper: int
+
+
+@cache
+def categories() -> tuple[Category, ...]:
+    """Return the 14 categories of the paper, in its order."""
+    return tuple(
+        Category(
+            name=each["name"],
+            functions=frozenset(map(FunctionType, each["functions"])),
+            one_of=frozenset(map(FunctionType, each.get("one_of", ()))),
+            apps=each["apps"],
+            robots=tuple(each["robots"]),
+            example=each["example"],
+        )
+        for each in shipped("rtron.functions", "apps.yaml")["categories"]
+    )
+
+
+def categories_of(present: Collection[FunctionType]) -> tuple[str, ...]:
+    """Return the most specific categories of an app, those with the most functions first."""
+    fitting = {c.name: needs for c in categories() if (needs := c.needs(present))}
+    most = [n for n, needs in fitting.items() if not any(needs < its for its in fitting.values())]
+    return tuple(sorted(most, key=lambda name: -len(fitting[name])))
+
+
+def app_row(graph: InteractionGraph, name: str = "") -> AppRow:
+    """Return an app's functions and categories; `name` stands for that of its graph."""
+    functions = functions_of_app(graph)
+    return AppRow(
+        app=name or graph.app or "app",
+        functions=functions,
+        categories=categories_of(functions.keys()),
+        nearest=nearest(functions.keys()),
+    )
+
+
+def nearest(present: Collection[FunctionType]) -> Nearest | None:
+    """Return the category with the most functions present, of equals the one that lacks fewest.
+
+    None if one that fits has as many.
+    """
+    best = max(categories(), key=lambda c: (c.had(present), -len(c.lacks(present))))
+    lack = best.lacks(present)
+    if not (best.had(present) and lack):
+        return None
+    return Nearest(categories=tuple(c.name for c in categories() if c.key == best.key), lack=lack)
+
+
+def functions_of_app(graph: InteractionGraph) -> Mapping[FunctionType, tuple[str, ...]]:
+    """Return the nodes of each function that an app has, in the order of the paper's table.
+
+    A map that is only handed out was not made by the app: it is no Mapping. Where a node's package
+    has several functions, those count of which the node publishes what is typical. A simulator
+    stands in for the drivers whose commands it takes, and a driver whose data others take hands on
+    what Preprocessing would (`stand_ins` in `nodes.yaml`).
+    """
+    found: dict[FunctionType, list[str]] = {function: [] for function in FunctionType}
+    traffic = node_traffic(graph)
+    for node, its in functions_of_nodes(graph).items():
+        for function in _played(its, traffic[node]):
+            found[function].append(node)
+    return {function: tuple(nodes) for function, nodes in found.items() if nodes}
+
+
+def counts(rows: Iterable[AppRow]) -> tuple[CategoryCount, ...]:
+    """Return how many apps are of each set of functions; an app counts where it fits best."""
+    best = [_best(row) for row in rows]
+    groups: dict[object, list[Category]] = {}
+    for category in categories():
+        groups.setdefault(category.key, []).append(category)
+    return tuple(_count(group, best) for group in groups.values())
+
+
+def _best(row: AppRow) -> str:
+    return row.categories[0] if row.categories else ""
+
+
+def _count(group: Sequence[Category], best: Sequence[str]) -> CategoryCount:
+    names = tuple(category.name for category in group)
+    return CategoryCount(
+        categories=names,
+        functions=group[0].functions,
+        one_of=group[0].one_of,
+        apps=sum(name in names for name in best),
+        paper=sum(category.apps for category in group),
+    )
+
+
+def _played(its: NodeFunctions, traffic: NodeTraffic) -> tuple[FunctionType, ...]:
+    """Return the functions that a node has in its app, each once."""
+    sure = [f for f in its.functions if its.sure or says_like(f, traffic)]
+    own = [f for f in sure if f is not FunctionType.MAPPING or _maps(traffic)]
+    stands_in = (
+        rule.functions[0]
+        for by, rule in _stand_in_rules()
+        if not by.isdisjoint(its.functions) and rule.fits(traffic)
+    )
+    return tuple(dict.fromkeys((*own, *stands_in)))
+
+
+def _maps(traffic: NodeTraffic) -> bool:
+    """Tell whether a node makes its map: one that only hands out a known map senses nothing."""
+    usual = typical()[FunctionType.MAPPING.value]
+    return not usual.subscribes.isdisjoint(traffic.subscribes)
+
+
+@cache
+def _stand_in_rules() -> tuple[tuple[frozenset[FunctionType], TrafficRule], ...]:
+    entries = shipped("rtron.functions", "nodes.yaml")["stand_ins"]
+    return tuple(
+        (frozenset(map(FunctionType, e["by"])), rule_of([e["function"]], e)) for e in entries
+    )

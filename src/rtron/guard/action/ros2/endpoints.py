@@ -1,0 +1,135 @@
+"""What the guard needs of a middleware for an action of ROS 2: requests, answers, and two topics.
+
+Ids are the 16 bytes of a goal's UUID, stamps ns of the wall clock, states those of
+action_msgs/GoalStatus; goals are CDR, results whatever the middleware hands over, unchanged.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+from rtron.guard.transport.common.protocol import Peer, TypeInfo
+from rtron.vocabulary import ActionEnd, Stream
+
+MOST_UNANSWERED = 8
+"""So many requests for one goal's result wait for it."""
+
+
+class GoalMessage(bytes):
+    """A goal as CDR, which knows its id."""
+
+    id: bytes
+
+    @classmethod
+    def of(cls, id: bytes, message: bytes) -> "GoalMessage":
+        """Return a goal that knows its id."""
+        made = cls(message)
+        made.id = id
+        return made
+
+
+ReadGoal = Callable[[], GoalMessage]
+"""Reads a goal that was sent; WireError if it is none."""
+AnswerGoal = Callable[[int | None], None]
+"""Takes since when a goal is accepted, None if it is rejected."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cancelled:
+    """The answer to a cancel: a code of action_msgs/CancelGoal, and the goals that will end."""
+
+    code: int
+    goals: Sequence[tuple[bytes, int]] = ()
+
+
+NONE, REJECTED, UNKNOWN_GOAL, TERMINATED = range(4)
+"""The codes."""
+AnswerCancel = Callable[[Cancelled], None]
+
+
+class AnswerResult(Protocol):
+    """The place of a request for a result; a later guard answers there by its `token`."""
+
+    token: str
+
+    def __call__(self, status: int, result: object | None) -> None:
+        """Answer; without a result, with an empty one."""
+        ...
+
+
+class HearsServer(Protocol):
+    """Who is told what the server says, and whether it is there."""
+
+    def server_told(self, end: ActionEnd, message: bytes) -> None:
+        """Take a feedback message or a status array of the server, as CDR."""
+        ...
+
+    def server_came(self, node: str, incarnation: bytes) -> None:
+        """Learn that the server is there and answers; `incarnation` is another after a restart."""
+        ...
+
+    def server_left(self) -> None:
+        """Learn that the server is not there any more."""
+        ...
+
+    def server_doubted(self, why: str) -> None:
+        """Learn that not only the server may answer, and why; "" when it is alone again."""
+        ...
+
+
+class Hears(HearsServer, Protocol):
+    """Who is told what clients ask, too."""
+
+    def goal_asked(self, flow: str, peer: Peer, read: ReadGoal, answer: AnswerGoal) -> None:
+        """Take a goal that was sent under the name of a flow; a stranger's need not be read."""
+        ...
+
+    def result_asked(self, flow: str, peer: Peer, id: bytes, answer: AnswerResult) -> None:
+        """Take a request for a goal's result."""
+        ...
+
+    def cancel_asked(
+        self, flow: str, peer: Peer, id: bytes, stamp: int, answer: AnswerCancel
+    ) -> None:
+        """Take a cancel; `NO_ID` and 0 mean every goal, a stamp all goals up to then."""
+        ...
+
+
+class Ends(Protocol):
+    """The services and topics of one action: towards its clients, and towards its server."""
+
+    info: TypeInfo
+    """What goals look like."""
+
+    def open(self) -> None:
+        """Join the graph."""
+        ...
+
+    def send_goal(self, goal: GoalMessage, answered: AnswerGoal) -> None:
+        """Send a goal to the server."""
+        ...
+
+    def cancel(self, id: bytes, stamp: int, answered: AnswerCancel) -> None:
+        """Send a cancel to the server."""
+        ...
+
+    def get_result(self, id: bytes, answered: Callable[[int, object], None]) -> None:
+        """Ask the server for a result; the answer comes when the goal is over."""
+        ...
+
+    def tell(self, end: ActionEnd, message: bytes, flows: Sequence[str] | None = None) -> None:
+        """Tell the clients of some flows, or all, and whoever listens under the public name."""
+        ...
+
+    def place(self, token: str) -> AnswerResult | None:
+        """Return the place of a request that came to the guard before; None if it is none."""
+        ...
+
+
+@runtime_checkable
+class CarriesRequests(Protocol):
+    """A transport on which an action of ROS 2 can be guarded."""
+
+    def action_ends(self, stream: Stream, node: str, hears: Hears) -> Ends:
+        """Return the ends of a stream's action, of one of the guard's nodes; not open yet."""
+        ...

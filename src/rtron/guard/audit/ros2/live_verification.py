@@ -1,0 +1,64 @@
+"""Looking at a ROS 2 domain once, from outside: as a participant that speaks to nobody."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from rtron.errors import SourceError
+from rtron.guard.audit.ros2.expected_graph import Wanted
+from rtron.guard.audit.ros2.graph_reader import Reader
+from rtron.guard.audit.ros2.observed_graph import EVERYBODY
+from rtron.guard.audit.ros2.verification import verify_ros2
+from rtron.wire.ros2.discovery_tuning import announce_often
+
+if TYPE_CHECKING:
+    from rtron.guard.audit.ros1.verification import Verification
+    from rtron.guard.audit.ros2.observed_graph import Seen
+    from rtron.vocabulary import Plan
+
+_NODE = "/rtron_verify"
+_LOOK_S = 0.1
+_QUIET_S = 3.5
+"""Longer than the 3 s after which Fast DDS repeats an announcement."""
+_SHORTEST_S = 15.0
+_HELP = "is the app running? see ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, RMW_IMPLEMENTATION"
+_HELP_RCLPY = "pip install rtron[ros2], or source your ROS"
+
+
+def verify_domain(plan: Plan, timeout: float, domain: int | None = None) -> Verification:
+    """Audit the app that runs in a domain (None: the environment's), once its graph has settled.
+
+    That is when nothing has changed for 3.5 s, within `timeout` seconds and at least 15.
+    SourceError if there is no rclpy, nobody in the domain, or no end of changes: what was missed
+    could be what is wrong.
+    """
+    try:
+        from rtron.wire.ros2.session import Session  # noqa: PLC0415 - only where ROS 2 is chosen
+    except ImportError as error:
+        raise SourceError("ROS 2 is not there: no rclpy", help=_HELP_RCLPY) from error
+    announce_often()
+    session = Session(domain)
+    try:
+        topics = (*Wanted(plan).topics, EVERYBODY)
+        seen = _settled(Reader(session.node(_NODE)), topics, max(timeout, _SHORTEST_S))
+    finally:
+        session.close()
+    return verify_ros2(plan, seen)
+
+
+def _settled(reader: Reader, topics: tuple[str, ...], limit: float) -> Seen:
+    began = quiet = time.monotonic()
+    before: object = None
+    while (now := time.monotonic()) - began < limit and now - quiet < _QUIET_S:
+        state = (tuple(reader.ends(topics)), reader.nodes())
+        if state != before or not set(state[1]) - {_NODE}:
+            before, quiet = state, now
+        time.sleep(_LOOK_S)
+    seen = reader.seen(topics)
+    if not set(seen.nodes) - {_NODE}:
+        raise SourceError("nothing can be verified: nobody is in the ROS 2 domain", help=_HELP)
+    if now - quiet < _QUIET_S:
+        told = f"nothing can be verified: the graph still changes after {limit:g} s"
+        raise SourceError(told, help="wait until the app has started, or give a longer --timeout")
+    return seen

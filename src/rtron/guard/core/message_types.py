@@ -1,0 +1,72 @@
+"""What a publisher says that its messages are, and how to look into them."""
+
+from collections.abc import Callable
+
+from rtron.errors import InputError
+from rtron.guard.transport.common.protocol import TypeInfo
+from rtron.messages.common.definition import Definition
+from rtron.messages.common.definition_parser import parse_definition
+from rtron.messages.common.definition_registry import Definitions, standard_text
+from rtron.messages.common.encoding import Encoding
+from rtron.messages.common.stamp import stamp_reader
+from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
+from rtron.policies.velocity_limit.frame_rate import NO_STAMP
+from rtron.vocabulary import normalise_type
+
+_STANDARD = {
+    Encoding.ROS1: Definitions(),
+    Encoding.CDR: Definitions(ros=2),
+}
+
+
+def standard_info(type: str, encoding: Encoding) -> TypeInfo | None:
+    """Return what a publisher of a standard type would say; None if the type is not standard."""
+    name = normalise_type(type)
+    definition = _known(name, encoding)
+    text = standard_text(name, 1 if encoding is Encoding.ROS1 else 2)
+    if definition is None or text is None:
+        return None
+    return TypeInfo(name, definition.md5sum, text)
+
+
+def codec_of(info: TypeInfo, encoding: Encoding) -> VelocityCodec | None:
+    """Return how to read the velocities of a publisher, None if its messages hold none."""
+    if normalise_type(info.type) not in VELOCITY_TYPES:
+        return None
+    definition = _definition(info, encoding)
+    return velocity_codec(definition, encoding) if definition else None
+
+
+def stamp_of(info: TypeInfo, encoding: Encoding) -> Callable[[bytes], int]:
+    """Return how to read the stamps of a publisher's messages; those without have stamp 0."""
+    definition = _definition(info, encoding)
+    reader = stamp_reader(definition, encoding) if definition else None
+    return reader or _no_stamp
+
+
+def _definition(info: TypeInfo, encoding: Encoding) -> Definition | None:
+    """Return what the publisher's MD5 sum stands for: its own text, or what is known here."""
+    told = _told(info)
+    if told and told.md5sum == info.md5sum:
+        return told
+    known = _known(info.type, encoding)
+    return known if known and known.md5sum == info.md5sum else None
+
+
+def _known(type: str, encoding: Encoding) -> Definition | None:
+    """Return the definition of a type that is standard, or installed; None if it is of no use."""
+    try:
+        return _STANDARD[encoding].find(type)
+    except InputError:
+        return None
+
+
+def _told(info: TypeInfo) -> Definition | None:
+    try:
+        return parse_definition(info.type, info.definition)
+    except InputError:
+        return None
+
+
+def _no_stamp(_message: bytes) -> int:
+    return NO_STAMP

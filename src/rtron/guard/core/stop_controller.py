@@ -1,0 +1,138 @@
+"""The stop wave of one stream, as messages of its type."""
+
+from collections.abc import Callable
+
+from rtron.errors import WireError
+from rtron.messages.common.velocity import VelocityCodec
+from rtron.policies.velocity_watchdog import Stopping
+from rtron.vocabulary import (
+    UNAPPROVED,
+    Flow,
+    Mode,
+    OnError,
+    Stream,
+    StreamKind,
+    Velocity,
+    Verdict,
+)
+
+Send = Callable[[str, bytes], None]
+"""Takes the flow in whose place the guard speaks, and the message."""
+
+
+class Stopper:
+    """Stops what a velocity stream moves; idle on any other, and until `learn` tells its type."""
+
+    def __init__(self, stream: Stream, send: Send) -> None:
+        stranger = Flow(name=UNAPPROVED, publisher="*")
+        self._flows = {flow.name: flow for flow in (stranger, *stream.flows)}
+        commands = stream.stages[0].settings.kind is StreamKind.COMMAND
+        self._watches = commands and stream.mode is Mode.ENFORCE
+        self._send = send
+        self._stopping = Stopping(stream.stop, self._velocity)
+        self._codec: VelocityCodec | None = None
+        self._last = b""
+
+    def learn(self, codec: VelocityCodec) -> None:
+        """Take how the stream's messages are laid out."""
+        if self._watches and not codec.is_limit:
+            self._codec = codec
+
+    @property
+    def knows(self) -> bool:
+        """Whether it is known how the stream's messages say stop."""
+        return self._codec is not None
+
+    @property
+    def why(self) -> str:
+        """Why the robot is being stopped, or nothing."""
+        return self._stopping.why
+
+    @property
+    def stopped(self) -> str:
+        """The flow that moved the robot last."""
+        return self._stopping.stopped
+
+    @property
+    def stops(self) -> int:
+        """How often the robot was stopped."""
+        return self._stopping.stops
+
+    @property
+    def moving(self) -> Flow | None:
+        """The flow that moves the robot."""
+        return self._stopping.flow
+
+    @property
+    def speed(self) -> float | None:
+        """The speed (m/s) that went out last; None before, and where nothing is moved."""
+        velocity = self._velocity() if self._last else None
+        return velocity.speed if velocity else None
+
+    def said(self, flow: str, message: bytes, now: int) -> None:
+        """Note that a message of `flow` went out."""
+        if self._codec is not None:
+            self._last = message
+            self._stopping.said(self._flows[flow], now)
+
+    def dropped(self, verdict: Verdict, now: int) -> None:
+        """Stop the robot if the flow that moves it said what cannot be judged."""
+        flow = self.moving
+        if verdict.error and flow and flow.name == verdict.flow and flow.on_error is OnError.STOP:
+            self.refuse(verdict.reason, now)
+
+    def slow_down(self, limit: float, now: int) -> None:
+        """Say again what moves the robot at no more than `limit` (m/s), if that is less.
+
+        What was released may have come to rest: it is told to rest, not set in motion again.
+        """
+        velocity = self._velocity()
+        if self._codec is None or velocity is None or velocity.speed <= limit:
+            return
+        if self._stopping.released:
+            self.refuse(f"the limit has fallen to {limit:g} m/s", now)
+            return
+        self._last = self._codec.encode(self._last, velocity.at_most(limit))
+        self._send(self.stopped, self._last)
+
+    def refuse(self, why: str, now: int) -> None:
+        """Stop the robot: what moves it may not go on."""
+        self._stopping.refuse(why, now)
+
+    def brake(self, why: str, now: int) -> None:
+        """Stop the robot, and keep it stopped until `loosen`; nothing if this stream moves none."""
+        if self._codec is not None:
+            self._stopping.brake(why, now)
+
+    def explain(self, why: str) -> None:
+        """Say why the stop that is under way goes on."""
+        self._stopping.explain(why)
+
+    def loosen(self) -> None:
+        """Let the stop end as any other."""
+        self._stopping.loosen()
+
+    def interrupt(self) -> None:
+        """Somebody else has stopped the robot."""
+        self._stopping.interrupt()
+
+    def tick(self, now: int) -> None:
+        """Send what is due."""
+        velocity = self._stopping.tick(now)
+        if velocity is not None and self._codec is not None:
+            rest = not velocity.linear
+            made = self._codec.rest if rest else self._codec.encode(self._last, velocity)
+            self._send(self.stopped or UNAPPROVED, made)
+
+    def deadline(self) -> int | None:
+        """Return when `tick` next has something to do."""
+        return self._stopping.deadline()
+
+    def _velocity(self) -> Velocity | None:
+        if self._codec is None:
+            return None
+        try:
+            velocity = self._codec.decode(self._last)
+        except WireError:
+            return None
+        return velocity if velocity.finite else None

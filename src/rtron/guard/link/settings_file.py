@@ -1,0 +1,45 @@
+"""The last settings on disk: the guard begins with them, whether or not the service is there."""
+
+import logging
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from rtron.errors import WireError
+from rtron.vocabulary import Settings
+from rtron.wire.common.link_protocol import NewSettings, service_bytes, to_guard
+
+log = logging.getLogger(__name__)
+
+
+def read_settings(path: Path, now: int) -> Settings | None:
+    """Return what was kept last; None if nothing was, or if it cannot be read.
+
+    A clock (`now`, wall, ns) that was set back since then cannot tell which overrides are over:
+    they are.
+    """
+    try:
+        message = to_guard(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except (OSError, WireError) as error:
+        log.error("the settings kept in %s cannot be read: %s", path, error)  # noqa: TRY400
+        return None
+    if not isinstance(message, NewSettings):
+        return None
+    return message.settings if now >= message.now else replace(message.settings, overrides={})
+
+
+def keep_settings(path: Path, settings: Settings, now: int) -> None:
+    """Write settings so that a crash at any moment leaves the old or the new ones, whole."""
+    beside = path.with_suffix(".new")
+    with beside.open("wb") as file:
+        file.write(service_bytes(NewSettings(settings=settings, now=now)))
+        file.flush()
+        os.fsync(file.fileno())
+    beside.replace(path)
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)

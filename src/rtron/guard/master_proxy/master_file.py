@@ -1,0 +1,113 @@
+"""How the guard finds the master behind the fence: a file that only its user can read.
+
+The file is locked while its fence lives; what a dead one left behind is not believed.
+"""
+
+import fcntl
+import json
+import os
+import stat
+from contextlib import suppress
+from pathlib import Path
+from tempfile import mkstemp
+
+from rtron.errors import SourceError, WireError
+from rtron.guard.core.control_socket import control_path
+from rtron.guard.master_proxy.name_registry import is_local
+from rtron.wire.ros1.xmlrpc import split_uri
+
+_LONGEST = 1 << 12
+
+
+def private_master(uri: str) -> str:
+    """Return the master behind the fence of this user at `uri`, or `uri` if there is none."""
+    try:
+        host, port = split_uri(uri)
+    except WireError:
+        return uri
+    if not is_local(host):
+        return uri
+    return next(filter(None, map(_told, places(port))), uri)
+
+
+def places(port: int) -> list[Path]:
+    """Return where the fence of a public port may say what is behind it, its first choice first.
+
+    It may have been started without the session's XDG_RUNTIME_DIR, by systemd for instance.
+    """
+    chosen, uid = control_path("master").parent, os.getuid()
+    folders = dict.fromkeys((chosen, Path(f"/run/user/{uid}"), Path(f"/tmp/rtron-{uid}")))  # noqa: S108
+    return [folder / f"rtron-master-{port}.json" for folder in folders]
+
+
+class Announcement:
+    """Says, until closed, what is behind the fence at a port; SourceError if it cannot be said."""
+
+    def __init__(self, port: int, private: str) -> None:
+        self._path = places(port)[0]
+        try:
+            self._descriptor = _write(self._path, private)
+        except OSError as error:
+            told = error.strerror or str(error)
+            help = "the guard finds the master by this file; set XDG_RUNTIME_DIR to your own folder"
+            raise SourceError(f"{self._path}: {told}", help=help) from None
+
+    def close(self) -> None:
+        """Take the file away, unless another fence has put its own there."""
+        with suppress(OSError):
+            if os.path.samestat(os.fstat(self._descriptor), self._path.lstat()):
+                self._path.unlink()
+        os.close(self._descriptor)
+
+
+def _write(path: Path, private: str) -> int:
+    """Put a new file in the place of any other, locked before anybody can see it."""
+    path.parent.mkdir(mode=0o700, exist_ok=True)
+    if not _is_own(path.parent.lstat()):
+        raise PermissionError(f"others may enter {path.parent}")
+    descriptor, name = mkstemp(dir=path.parent, prefix=f"{path.stem}-")  # O_EXCL, mode 600
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        os.write(descriptor, json.dumps({"private": private}).encode())
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _told(path: Path) -> str:
+    """Return what a living fence of this user says at a path; nothing if there is none."""
+    try:
+        return _read(path)
+    except (WireError, OSError, ValueError):
+        return ""
+
+
+def _read(path: Path) -> str:
+    if not _is_own(path.parent.lstat()):
+        return ""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        found = os.fstat(descriptor)
+        if not stat.S_ISREG(found.st_mode) or not _is_own(found) or not _is_locked(descriptor):
+            return ""
+        told = json.loads(os.read(descriptor, _LONGEST))
+        private = told.get("private") if isinstance(told, dict) else None
+        split_uri(private)
+        return str(private)
+    finally:
+        os.close(descriptor)
+
+
+def _is_own(found: os.stat_result) -> bool:
+    return found.st_uid == os.getuid() and not found.st_mode & 0o077
+
+
+def _is_locked(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    return False

@@ -1,0 +1,81 @@
+"""Running the fence until it is told to end, or the master behind it does."""
+
+import logging
+import resource
+import signal
+
+from rtron.errors import SourceError
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.master_proxy.master_file import Announcement
+from rtron.guard.master_proxy.rosmaster import Rosmaster
+from rtron.guard.master_proxy.server import Proxy
+from rtron.guard.transport.ros1.tcp_server import TcpServer
+from rtron.vocabulary import Plan
+from rtron.vocabulary.topic_access import planned_topics
+from rtron.wire.ros1.host_address import bind_host
+
+log = logging.getLogger(__name__)
+
+_LOOK_S = 0.2
+
+
+def run_master(plan: Plan, host: str, port: int, *, private_port: int = 0) -> int:
+    """Keep a ROS 1 master behind the plan's fence at `host`:`port`; return the exit code.
+
+    `private_port` 0 is a free one. SourceError if a port is taken, if rosmaster does not start or
+    ends by itself, or if the plan is for ROS 2, which has no master.
+    """
+    if plan.ros != 1:
+        raise SourceError("only ROS 1 has a master", help="the plan says `ros: 2`")
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
+    _allow_many_connections()
+    loop = Loop()
+    try:
+        master = Rosmaster(private_port)
+        try:
+            _serve(loop, plan, master, f"http://{host}:{port}/", (bind_host(host), port))
+        finally:
+            master.end()
+    except KeyboardInterrupt:
+        log.info("told to end")
+    finally:
+        loop.close()
+    return 0
+
+
+def _serve(loop: Loop, plan: Plan, master: Rosmaster, public: str, at: tuple[str, int]) -> None:
+    proxy = Proxy(loop, planned_topics(plan), master.uri, public)
+    server = _listen(loop, proxy, *at)
+    announcement = Announcement(server.port, master.uri)
+    try:
+        loop.post(lambda: _look_after(loop, master))
+        log.info("the fence stands at %s; %d topics are planned", public, len(proxy.topics))
+        loop.run()
+    finally:
+        announcement.close()
+        server.close()
+        proxy.close()
+    if master.ended:
+        raise SourceError("rosmaster has ended, and so does the fence before it")
+
+
+def _listen(loop: Loop, proxy: Proxy, address: str, port: int) -> TcpServer:
+    try:
+        return TcpServer(loop, address, proxy.accept, port)
+    except OSError as error:
+        help = "another master is running there; stop it, or choose --port"
+        raise SourceError(f"port {port}: {error.strerror}", help=help) from None
+
+
+def _look_after(loop: Loop, master: Rosmaster) -> None:
+    """Stop when the private master has ended."""
+    if master.ended:
+        loop.stop()
+    else:
+        loop.call_later(_LOOK_S, lambda: _look_after(loop, master))
+
+
+def _allow_many_connections() -> None:
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))

@@ -1,0 +1,104 @@
+"""What one flow does."""
+
+from rtron.guard.measurement.activity import Phases
+from rtron.guard.measurement.histogram import Histogram, duration_figures, value_figures
+from rtron.vocabulary import (
+    Decision,
+    Flow,
+    FlowFigures,
+    OverlapFigures,
+    PolicyName,
+    RefusalFigures,
+    Velocity,
+    Verdict,
+)
+
+_LONGEST_REASON = 200
+
+
+class MeasuredFlow:
+    """The figures of one flow as they grow."""
+
+    __slots__ = (
+        "_left_moving",
+        "_moving",
+        "_overlaps",
+        "_phases",
+        "_refusals",
+        "_speeds",
+        "flow",
+        "takes",
+        "undone",
+        "waits",
+    )
+
+    def __init__(self, flow: Flow) -> None:
+        self.flow = flow
+        self.waits = Histogram[int]()
+        self.takes = Histogram[int]()
+        self.undone = 0
+        self._phases = Phases()
+        self._speeds = Histogram[float]()
+        self._moving = False
+        self._left_moving = 0
+        self._overlaps: dict[str, int] = {}
+        self._refusals: dict[tuple[PolicyName, Decision], tuple[int, Verdict]] = {}
+
+    @property
+    def messages(self) -> int:
+        """How many messages came."""
+        return self._phases.messages
+
+    def heard(self, now: int) -> int | None:
+        """Note a message; return the gap (ns) before it, None if a phase begins."""
+        gap = self._phases.heard(now)
+        if gap is None and self._moving:
+            self._left_moving += 1
+        return gap
+
+    def speaks(self, now: int) -> bool:
+        """Tell whether the flow is in the midst of a phase."""
+        return self._phases.speaks(now)
+
+    def overlap(self, other: str, duration: int) -> None:
+        """Note that another flow spoke at the same time."""
+        self._overlaps[other] = self._overlaps.get(other, 0) + duration
+
+    def asked(self, velocity: Velocity, *, moves: bool) -> None:
+        """Note a velocity; `moves` tells whether the robot goes on with it."""
+        self._speeds.add(velocity.speed)
+        self._moving = moves
+
+    def refused(self, verdict: Verdict) -> None:
+        """Note what would not have passed as it was."""
+        key = verdict.policy, verdict.decision
+        count, _ = self._refusals.get(key, (0, verdict))
+        self._refusals[key] = count + 1, verdict
+
+    def figures(self, now: int, still_open: int) -> FlowFigures:
+        """Return what was measured until `now`."""
+        gaps, pauses = self._phases.parted()
+        return FlowFigures(
+            flow=self.flow.name,
+            publisher=self.flow.publisher,
+            messages=self.messages,
+            gaps=duration_figures(gaps),
+            pauses=duration_figures(pauses),
+            active=gaps.total(0),
+            left_moving=self._left_moving + (self._moving and self._phases.over(now)),
+            waits=duration_figures(self.waits),
+            takes=duration_figures(self.takes),
+            undone=self.undone + still_open,
+            speeds=value_figures(self._speeds),
+            refusals=tuple(_refusal(*each) for each in self._refusals.values()),
+            overlaps=tuple(OverlapFigures(flow=k, duration=v) for k, v in self._overlaps.items()),
+        )
+
+
+def _refusal(count: int, last: Verdict) -> RefusalFigures:
+    return RefusalFigures(
+        policy=last.policy,
+        decision=last.decision,
+        count=count,
+        reason=last.reason[:_LONGEST_REASON],
+    )

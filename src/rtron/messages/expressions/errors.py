@@ -1,0 +1,65 @@
+"""What is wrong with an expression, in the user's words instead of the compiler's."""
+
+import re
+from collections.abc import Collection, Mapping
+from difflib import get_close_matches
+
+from rtron.errors import InputError
+from rtron.messages.common.definition import Definition
+
+_FAULT = re.compile(r"ERROR: <input>:(-?\d+):(-?\d+): ([^\n]*)")
+_FIELD = re.compile(r"undefined field '(.*)' not found in struct '(.*)'")
+_NAME = re.compile(r"undeclared reference to '([^'.]*).*'")
+_OVERLOAD = re.compile(r"found no matching overload for '(.*)' applied to '\((.*)\)'")
+_STATUS = re.compile(r"^[A-Z_]+: | \[[A-Z_]+\]$")
+_OPERATOR = re.compile(r"_(.+)_|(.+)_")
+_TAKES = {
+    "inside": "inside takes a Point and an area",
+    "distance": "distance takes a Point, and a Point or an area",
+    "place": "place takes two numbers with decimal points, for example place(3.0, 4.0)",
+}
+_MAX_SAID = 300
+
+
+def fault(
+    said: str, text: str, types: Mapping[str, Definition], names: Collection[str]
+) -> InputError:
+    """Return the error for what CEL's compiler said about `text`: the first of its faults."""
+    found = _FAULT.search(said)
+    if not found or int(found[1]) < 1:
+        plain = found[3] if found else _STATUS.sub("", said)
+        return InputError(f"in the expression: {plain[:_MAX_SAID]}", help="make it simpler")
+    what, help = _explain(found[3].replace(" (in container '')", ""), types, names)
+    line = f"line {found[1]}, " if "\n" in text.strip() else ""
+    return InputError(f"{line}column {found[2]} of the expression: {what[:_MAX_SAID]}", help=help)
+
+
+def _explain(said: str, types: Mapping[str, Definition], names: Collection[str]) -> tuple[str, str]:
+    if field := _FIELD.fullmatch(said):
+        return _unknown_field(field[1], types.get(field[2].replace(".", "/")), field[2])
+    if name := _NAME.fullmatch(said):
+        return f"nothing is called {name[1]!r}", _nearest(name[1], names)
+    if overload := _OVERLOAD.fullmatch(said):
+        return _mismatch(overload[1], overload[2])
+    return said, "see cel.dev for the language"
+
+
+def _unknown_field(name: str, owner: Definition | None, type: str) -> tuple[str, str]:
+    fields = [field.name for field in owner.fields] if owner else []
+    return f"{type.replace('.', '/')} has no field {name!r}", _nearest(name, fields)
+
+
+def _nearest(word: str, known: Collection[str]) -> str:
+    near = get_close_matches(word[:80], known, n=1)
+    return f"did you mean {near[0]}?" if near else f"there are: {', '.join(sorted(known)[:20])}"
+
+
+def _mismatch(function: str, types: str) -> tuple[str, str]:
+    operator = _OPERATOR.fullmatch(function)
+    name = (operator[1] or operator[2]) if operator else function
+    what = f"{name} cannot be applied to ({types})"
+    if function in _TAKES:
+        return what, _TAKES[function]
+    if set(types.split(", ")) == {"double", "int"}:
+        return what, "write numbers compared with a float with a point: 1.0 instead of 1"
+    return what, "both sides must have the same type"

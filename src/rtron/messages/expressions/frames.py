@@ -1,0 +1,162 @@
+"""The frames that the positions of a message are in, and how they come into the one asked for."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rtron.errors import InputError
+from rtron.messages.common.definition import HEADER, Definition, Field
+from rtron.messages.expressions.geometry import Motion, motion
+from rtron.messages.expressions.protobuf_types import usable
+from rtron.vocabulary import Transform
+
+POINTS = ("geometry_msgs/Point", "geometry_msgs/Point32")
+"""The types whose values are positions; a Vector3 is none."""
+
+
+class FrameRefusedError(Exception):
+    """The positions of a message cannot be compared in the frame asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Where a message has its header, its positions, and messages that have some; by name."""
+
+    header: str
+    points: tuple[Field, ...]
+    inner: tuple[tuple[Field, "_Part"], ...]
+
+
+class Frame:
+    """A frame that positions are asked for in; `bring` takes messages into it.
+
+    A position is in the frame of the nearest header around it that names one: a pose in a goal in
+    the pose's own, not in the goal's. Where a transform is needed it changes x and y of every
+    Point and Point32; directions and other numbers stay as they are.
+    """
+
+    __slots__ = ("_motions", "_name", "_part", "_points")
+
+    def __init__(
+        self,
+        name: str,
+        definition: Definition,
+        wanted: Collection[str],
+        transforms: Sequence[Transform] = (),
+    ) -> None:
+        self._name = name
+        self._motions = _motions(name, transforms)
+        self._part = _part(definition, {}, lambda field: field.name in wanted)
+        self._points = _has_points(self._part)
+        _check_headers(self._part, definition, name)
+
+    def bring(self, message: Any) -> None:  # noqa: ANN401 - a protobuf message of any type
+        """Take the positions of a message into the frame; FrameRefusedError if that cannot be."""
+        if self._points:
+            self._bring(message, self._part, "")
+            return
+        found = _frame_of(message, self._part, "")
+        if found != self._name:
+            raise FrameRefusedError(_refusal(found, self._name, "it has no points to transform"))
+
+    def _bring(self, message: Any, part: _Part, frame: str) -> None:  # noqa: ANN401
+        frame = _frame_of(message, part, frame)
+        if part.points and frame != self._name:
+            self._move(message, part.points, frame)
+        for field, inner in part.inner:
+            value = getattr(message, field.name)
+            for each in value if field.array else (value,):
+                self._bring(each, inner, frame)
+
+    def _move(self, message: Any, points: Sequence[Field], frame: str) -> None:  # noqa: ANN401
+        for field in points:
+            value = getattr(message, field.name)
+            for point in value if field.array else (value,):
+                moved = self._motions.get(frame)
+                if moved is None:
+                    why = "no transform is configured"
+                    raise FrameRefusedError(_refusal(frame, self._name, why))
+                point.x, point.y = moved.apply(point.x, point.y)
+
+
+def without_slash(frame: str) -> str:
+    """Return a frame as tf2 spells it."""
+    return frame.lstrip("/")
+
+
+def _refusal(found: str, asked: str, why: str) -> str:
+    if not found:
+        return f"positions are in no frame, the rule asks for {asked}"
+    return f"positions are in frame {found[:80]}, the rule asks for {asked}, and {why}"
+
+
+def _frame_of(message: Any, part: _Part, outer: str) -> str:  # noqa: ANN401
+    if not part.header:
+        return outer
+    return without_slash(getattr(message, part.header).frame_id) or outer
+
+
+def _motions(name: str, transforms: Sequence[Transform]) -> Mapping[str, Motion]:
+    found: dict[str, Motion] = {}
+    for each in transforms:
+        if without_slash(each.target) == name:
+            found[without_slash(each.source)] = motion(each)
+    for each in transforms:
+        if without_slash(each.source) == name:
+            found.setdefault(without_slash(each.target), motion(each).inverse())
+    return found
+
+
+def _part(
+    definition: Definition, known: dict[str, _Part], wanted: Callable[[Field], bool]
+) -> _Part:
+    """Return what is to be visited in a message; each nested type once, in `known`."""
+    inner: list[tuple[Field, _Part]] = []
+    points: list[Field] = []
+    for field in definition.fields:
+        nested = definition.nested.get(field.type)
+        if nested is None or not usable(field.name) or not wanted(field):
+            continue
+        if is_point(nested):
+            points.append(field)
+            continue
+        if field.type not in known:
+            known[field.type] = _part(nested, known, lambda _: True)
+        if _has_points(known[field.type]):
+            inner.append((field, known[field.type]))
+    return _Part(header_of(definition), tuple(points), tuple(inner))
+
+
+def is_point(definition: Definition) -> bool:
+    """Tell whether a type is a position: one of `POINTS`, with x and y."""
+    return definition.type in POINTS and all(
+        (field := definition.find(name)) and field.type.startswith("float") and not field.array
+        for name in "xy"
+    )
+
+
+def header_of(definition: Definition) -> str:
+    """Return the name of the header with a frame, empty if there is none."""
+    for field in definition.fields:
+        if field.type == HEADER and not field.array and usable(field.name):
+            frame = definition.nested[HEADER].find("frame_id")
+            return field.name if frame and frame.type == "string" and not frame.array else ""
+    return ""
+
+
+def _has_points(part: _Part) -> bool:
+    return bool(part.points or part.inner)
+
+
+def _check_headers(part: _Part, definition: Definition, frame: str) -> None:
+    if part.header or (not part.points and part.inner and all(_covered(p) for _, p in part.inner)):
+        return
+    raise InputError(
+        f"{definition.type} has no header that tells the frame of its positions",
+        help=f"the frame {frame} cannot be asked for; compare without frame and areas",
+    )
+
+
+def _covered(part: _Part) -> bool:
+    """Tell whether all the positions in a part have a header around them."""
+    return bool(part.header) or (not part.points and all(_covered(p) for _, p in part.inner))

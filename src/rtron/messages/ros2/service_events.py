@@ -1,0 +1,132 @@
+"""What ROS 2's service introspection publishes of requests and answers (REP 2012), as CDR.
+
+An event holds who asked, the number of the request, and the request or the answer; or neither,
+where only metadata are published. Readers raise WireError for what is no such event.
+"""
+
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from rtron.errors import WireError
+from rtron.messages.common.definition import SIZES, Definition, Field
+from rtron.messages.common.encoding import PREFIX, Encoding
+from rtron.messages.common.layout import alignment
+from rtron.vocabulary import SECOND
+
+_LITTLE = b"\x00\x01\x00\x00"
+_INFO = struct.Struct("<4xB3xiI16s4xqI")
+_ID = struct.Struct("<16s")
+_CANCEL = struct.Struct("<16siI")
+_ANSWER = struct.Struct("<?3xiI")
+_COUNT = struct.Struct("<I")
+_ASKED = (0, 1)
+"""The kinds of an event of a request: as its client sends it, and as its server gets it."""
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceEvent:
+    """One request or answer: `asker` and `number` tell which.
+
+    `at` is where its contents begin in the message, 0 where only metadata were published.
+    """
+
+    asks: bool
+    asker: bytes
+    number: int
+    at: int
+
+
+def read_event(message: bytes) -> ServiceEvent:
+    """Return what an event says of itself (service_msgs/ServiceEventInfo)."""
+    Encoding.CDR.check(message)
+    kind, _, _, asker, number, asked = _unpacked(_INFO, message, 0)
+    asks = kind in _ASKED
+    at = _INFO.size
+    if asks:
+        return ServiceEvent(asks, asker, number, at if asked else 0)
+    (answered,) = _unpacked(_COUNT, message, at) if not asked else (0,)
+    return ServiceEvent(asks, asker, number, at + _COUNT.size if answered else 0)
+
+
+def read_goal(message: bytes, at: int) -> tuple[bytes, int]:
+    """Return the id of the goal that a request sends, and where the goal itself begins."""
+    (id,) = _unpacked(_ID, message, at)
+    return id, at + _ID.size
+
+
+def read_cancel(message: bytes, at: int) -> tuple[bytes, int]:
+    """Return the id and the stamp (ns) that a request to cancel names."""
+    id, seconds, nanoseconds = _unpacked(_CANCEL, message, at)
+    return id, seconds * SECOND + nanoseconds
+
+
+def read_answer(message: bytes, at: int) -> int | None:
+    """Return since when (ns) a goal is accepted, None if it was rejected."""
+    accepted, seconds, nanoseconds = _unpacked(_ANSWER, message, at)
+    return seconds * SECOND + nanoseconds if accepted else None
+
+
+def moved(definition: Definition) -> Callable[[bytes, int], bytes]:
+    """Return what makes a message of its own of one that lies in another, from an offset on.
+
+    What is aligned there need not be, where it begins a message.
+    """
+
+    def move(data: bytes, at: int) -> bytes:
+        copy = _Copy(data, at)
+        copy.fields(definition)
+        return bytes(copy.made)
+
+    return move
+
+
+class _Copy:
+    """A message in the making, and where it is read."""
+
+    def __init__(self, data: bytes, at: int) -> None:
+        self._data = data
+        self._at = at
+        self.made = bytearray(_LITTLE)
+
+    def fields(self, definition: Definition) -> None:
+        for field in definition.fields:
+            self._field(field, definition)
+        if not definition.fields:
+            self._block(1, 1)
+
+    def _field(self, field: Field, definition: Definition) -> None:
+        count = 1
+        if field.array:
+            count = field.length or self._count()
+        if field.type in SIZES:
+            if count:
+                self._block(count * SIZES[field.type], alignment(field.type, Encoding.CDR))
+            return
+        for _ in range(count):
+            if field.type == "string":
+                self._block(self._count(), 1)
+            else:
+                self.fields(definition.nested[field.type])
+
+    def _count(self) -> int:
+        count: int = _COUNT.unpack(self._block(_COUNT.size, _COUNT.size))[0]
+        return count
+
+    def _block(self, size: int, align: int) -> bytes:
+        self._at += (PREFIX - self._at) % align
+        self.made += bytes((PREFIX - len(self.made)) % align)
+        block = self._data[self._at : self._at + size]
+        if len(block) < size:
+            raise WireError(f"a message of {len(self._data)} bytes ends too early")
+        self._at += size
+        self.made += block
+        return block
+
+
+def _unpacked(form: struct.Struct, message: bytes, at: int) -> tuple[Any, ...]:
+    try:
+        return form.unpack_from(message, at)
+    except struct.error:
+        raise WireError(f"a message of {len(message)} bytes ends too early") from None

@@ -1,0 +1,73 @@
+"""The text of a launch file as it is read to be copied to another folder."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.planning.instrument.common.xml_spans import Span, parse, safe_parser, spans
+from rtron.planning.instrument.common.xml_text import LaunchText, spliced
+from rtron.planning.instrument.ros1.literal import literal
+
+_ENCODING = re.compile(r"""\A(\ufeff?<\?xml[^>]*?encoding\s*=\s*)["'][^"']*["']""")
+_QUOTED = re.compile(rb"\"[^\"]*\"|'[^']*'")
+_DIRNAME = re.compile(rb"\$\( *dirname(?: [^()$]*)?\)")
+_DIRNAME_CALL = re.compile(rb"\bdirname\s*\(\s*\)")
+PLAIN = re.compile(r"""[^"'&<>$\\\x00-\x1f]*""")
+
+
+def source_text(path: str, folder: str) -> LaunchText:
+    """Read a launch file so that a copy of it elsewhere still means `folder` by `$(dirname)`.
+
+    Raise InputError if it cannot be read, is not XML or has a document type.
+    """
+    text = in_utf8(path)
+    text = _with_folder(text, spans(text, path), folder, path)
+    return LaunchText(text=text, elements=spans(text, path))
+
+
+def in_utf8(path: str) -> bytes:
+    """Return a file's text in UTF-8, and its XML declaration saying so."""
+    try:
+        data = Path(path).read_bytes()
+        text = data.decode(_encoding(data, path))
+    except (OSError, LookupError, UnicodeError) as error:
+        raise InputError(f"cannot be read: {error}", path=path) from None
+    return _ENCODING.sub(r'\1"UTF-8"', text, count=1).encode()
+
+
+def _encoding(data: bytes, path: str) -> str:
+    declared: list[str | None] = []
+    parser = safe_parser(path)
+    parser.XmlDeclHandler = lambda _, encoding, __: declared.append(encoding)
+    parse(parser, data, path)
+    return next(iter(declared), None) or "utf-8"
+
+
+def _with_folder(text: bytes, elements: tuple[Span, ...], folder: str, path: str) -> bytes:
+    """Write out what `$(dirname)` means, wherever roslaunch would replace it."""
+    places = list(_evaluated(text, elements))
+    written = [(*place, _written_out(text[slice(*place)], folder)) for place in places]
+    changes = [change for change in written if change[2] != text[change[0] : change[1]]]
+    if changes and not PLAIN.fullmatch(folder):
+        raise InputError("lies in a folder whose name cannot stand in a launch file", path=path)
+    return spliced(text, changes)
+
+
+def _evaluated(text: bytes, elements: tuple[Span, ...]) -> Iterator[tuple[int, int]]:
+    """Yield the places of all attribute values, and of the YAML that says `subst_value`."""
+    for element in elements:
+        tag = text[element.start : element.inner]
+        yield from (
+            (element.start + match.start(), element.start + match.end())
+            for match in _QUOTED.finditer(tag)
+        )
+        if element.tag.lower() == "rosparam" and b"subst_value" in tag:
+            yield element.inner, element.close
+
+
+def _written_out(value: bytes, folder: str) -> bytes:
+    if not value[1:].startswith(b"$(eval "):
+        return _DIRNAME.sub(lambda _: folder.encode(), value)
+    quoted = literal(folder).replace("'", "&#39;").encode()
+    return _DIRNAME_CALL.sub(lambda _: quoted, value)

@@ -1,0 +1,88 @@
+"""Quantities as people write them: `0.22 m/s`, `0.8 km/h`, `90 deg`; inside, floats in SI units."""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from rtron.planning.plan_file.problems import shown, suggestion
+
+_NUMBER = r"-?[0-9]{1,19}(?:\.[0-9]{1,25})?(?:[eE][+-]?[0-9]{1,3})?"
+_WRITTEN = re.compile(rf"({_NUMBER}) ?([A-Za-zµ°].{{0,20}})?")
+_LARGE = 10**300
+_DEGREE = Fraction(math.pi) / 180
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """What is measured, in which units (the first is the SI unit), and between which bounds.
+
+    Where `smallest` is given, nothing but 0 is closer to 0: it would be a slip.
+    """
+
+    words: str
+    units: Mapping[str, Fraction]
+    least: float
+    greatest: float
+    smallest: float = 0.0
+
+    @property
+    def unit(self) -> str:
+        """The SI unit, which a bare number has."""
+        return next(iter(self.units))
+
+    @property
+    def pattern(self) -> str:
+        """What a text with a unit looks like, as an expression."""
+        return rf"{_NUMBER} ?({'|'.join(map(re.escape, self.units))})?"
+
+    def parse(self, text: str) -> float:
+        """Return a quantity in the SI unit. Raise ValueError with the fault."""
+        match = _WRITTEN.fullmatch(text.strip())
+        if not match:
+            raise ValueError(f"{shown(text)} is no {self.words}: write a number and {self.unit}")
+        number, unit = match[1], match[2] or self.unit
+        if unit not in self.units:
+            raise ValueError(f"unknown unit {shown(unit)}: {suggestion(unit, self.units)}")
+        return self._bounded(Fraction(number) * self.units[unit], text)
+
+    def write(self, value: float) -> str:
+        """Write a quantity with its SI unit, so that it is read as the same float."""
+        return f"{repr(value).removesuffix('.0')} {self.unit}"
+
+    def _bounded(self, exact: Fraction, text: str) -> float:
+        value = float(exact) if abs(exact) < _LARGE else math.inf
+        if not self.least <= value <= self.greatest:
+            bounds = f"{self.least:g} and {self.write(self.greatest)}"
+            raise ValueError(f"{shown(text)} is not between {bounds}")
+        if exact and abs(value) < self.smallest:
+            raise ValueError(f"{shown(text)} is closer to 0 than {self.write(self.smallest)}")
+        return value
+
+
+def _metric(per: str = "", **more: Fraction) -> dict[str, Fraction]:
+    scale = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000)}
+    return {f"{unit}{per}": factor for unit, factor in scale.items()} | more
+
+
+def _squared(unit: str, factor: Fraction) -> dict[str, Fraction]:
+    return {f"{unit}/s{power}": factor for power in ("2", "^2", "²")}
+
+
+VELOCITY = Quantity(
+    "velocity", {**_metric("/s"), "km/h": Fraction(5, 18)}, least=0, greatest=1000, smallest=1e-6
+)
+PER_FRAME = Quantity("distance per frame", _metric("/frame"), least=1e-6, greatest=1000)
+DECELERATION = Quantity("deceleration", _squared("m", Fraction(1)), least=0.01, greatest=1000)
+ANGULAR_DECELERATION = Quantity(
+    "angular deceleration",
+    {**_squared("rad", Fraction(1)), **_squared("deg", _DEGREE)},
+    least=0.01,
+    greatest=1000,
+)
+POSITION = Quantity("position", _metric(km=Fraction(1000)), least=-1e8, greatest=1e8)
+# A yaw beyond a whole turn is one in degrees whose unit was forgotten.
+YAW = Quantity(
+    "angle", {"rad": Fraction(1), "deg": _DEGREE}, least=-2 * math.pi, greatest=2 * math.pi
+)

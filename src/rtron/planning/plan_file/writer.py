@@ -1,0 +1,192 @@
+"""A plan as YAML that a person likes to read and edit; reading it gives the same plan."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import MISSING
+from enum import Enum
+from typing import Any
+
+import yaml
+
+from rtron.planning.plan_file.durations import write_duration
+from rtron.planning.plan_file.fields import NOUNS, Key, keys
+from rtron.vocabulary import (
+    PLAN_SCHEMA,
+    EventFlow,
+    Flow,
+    Plan,
+    Point,
+    Rule,
+    Transform,
+    WatchedFlow,
+)
+
+_HEAD = """\
+# What stands between the nodes of this app, and under which policies. Edit it freely, then run
+# `rtron check`. Durations take a unit: 200 ms, 0.5 s, 2 min; so do velocities and all that is
+# measured: 0.22 m/s, 0.8 km/h. What is left out has its default.
+"""
+_SECTIONS = {
+    "grcn": """
+# GRCN: one for each topic that several nodes share. `enforce` stands in the flow and decides,
+# `observe` only watches. Preemption: the highest priority that speaks has the output.
+# Priority_Queue and FIFO_Queue: one at a time, the others wait. Block: each flow has a bit.
+# A flow that moved the robot and is silent for `silent_after` stops it (`on_silence: release`
+# does not); so does a message that cannot be judged (`on_error: drop` only drops it).
+# The goals of an action (type pkg/NameActionGoal) stand for all five of its topics.
+""",
+    "rsrcn": """
+# RSRCN: the one before everybody who obeys a velocity. It knows the rates of the image nodes
+# (iflows) and decides about the velocities (vflows).
+# Safe: at most `threshold` (0.02 m/frame) times the least rate, `lowest` where one is silent.
+# Constrain: at most `max_vel_limit` (0.22 m/s). Safe+Constrain: the lower of the two.
+# `mandatory: Constrain`: the end user can then select what includes it only, and lower the limit.
+""",
+    "msrcn": """
+# MSRCN: the one before the actuators. It knows the events (eflows) and blocks the actions
+# (aflows) that the rules of the mission forbid. What sets the bit of an eflow:
+#   when: "!(event.percentage >= 0.2)"   the newest message says so, also with NaN (it needs `type`)
+#   present: 2 s                         a message came, with `when` one that says so
+#   silent: 1 s                          none came
+# A rule, with any combination of eflows (&&, ||, !), here with a goal inside a named area:
+#   rules:
+#     - name: keep_out
+#       when: eflow1 && !eflow2
+#       action: "inside(action.pose.position, kitchen)"
+#       block: [/move_base_simple/goal]
+#   areas:
+#     - {name: kitchen, frame: map, polygon: [{x: 0 m, y: 0 m}, {x: 3 m, y: 0 m}, {x: 3 m, y: 2 m}]}
+# `require: /alert` in a rule: what it blocks stays blocked until /alert has spoken.
+# `mandatory: true` in a rule: the end user can neither deselect nor weaken it.
+""",
+    "fps_monitor": """
+# fps_monitor: one for each image node, on the topic that it publishes for every frame, and no
+# faster than its `camera`. `source: detections` where it only publishes what it detects: an empty
+# scene then looks like a slow node.
+""",
+    "stop": """
+# How the guard stops the robot: a ramp of at most `decel` and `angular_decel`, a message every
+# `period`, zeros for `repeat`, then nothing.
+""",
+    "audit": """
+# How often the guard asks each guarded node who speaks to it, and whether it only raises an alarm
+# when that is somebody else (`on_foreign: alarm`) or stops the robot too (`stop`).
+""",
+    "messages": """
+# Message types that RTron does not know, as `rosmsg show -r TYPE` prints them, or as their files in
+# ROS 2 say.
+""",
+    "accept_unenforceable": """
+# What cannot be guarded and was accepted.
+""",
+}
+_ON_ONE_LINE = (Flow, WatchedFlow, Point)
+_ON_ONE_LINE_IF_SHORT = (EventFlow, Rule, Transform)
+_SHORT = 100
+_SAFE = re.compile(r"[A-Za-z/][A-Za-z0-9_/.-]*")
+# What a block scalar gives back as it was: printable lines that begin and end with a mark.
+_BLOCK = re.compile(r"[!-~](?:[\t\n -~]*[!-~])?\n?")
+
+
+def write_plan(plan: Plan) -> str:
+    """Return the plan as YAML with a comment for each section; what has its default is left out."""
+    head = [_HEAD.rstrip("\n"), f"schema: {PLAN_SCHEMA}", f"app: {_scalar(plan.app)}"]
+    return "\n".join([*head, *_sections(plan)]) + "\n"
+
+
+def _sections(plan: Plan) -> Iterator[str]:
+    for key in _written(plan):
+        if key.name in _SECTIONS:
+            yield _SECTIONS[key.name].rstrip("\n")
+        if key.name != "app":
+            yield from _entry(key, getattr(plan, key.name), 0)
+
+
+def _written(noun: object) -> Iterator[Key]:
+    """Yield the keys of a noun that differ from their defaults."""
+    for key in keys(type(noun)).values():
+        if key.name != "schema" and (
+            key.default is MISSING or getattr(noun, key.name) != key.default
+        ):
+            yield key
+
+
+def _entry(key: Key, value: Any, indent: int) -> Iterator[str]:  # noqa: ANN401 - as the key says
+    space = " " * indent
+    if not value and key.many:
+        yield f"{space}{key.name}: []"
+    elif key.many and key.item in NOUNS:
+        yield f"{space}{key.name}:"
+        for noun in value:
+            yield from _item(noun, indent + 2)
+    elif key.item in NOUNS and not isinstance(value, _ON_ONE_LINE):
+        yield f"{space}{key.name}:"
+        yield from _noun(value, indent + 2)
+    elif _is_block(value):
+        yield f"{space}{key.name}: |{_chomping(value)}"
+        yield from (f"{space}  {line}" if line else "" for line in _lines(value))
+    else:
+        yield f"{space}{key.name}: {_value(key, value)}"
+
+
+def _is_block(value: object) -> bool:
+    return isinstance(value, str) and "\n" in value and _BLOCK.fullmatch(value) is not None
+
+
+def _chomping(text: str) -> str:
+    return "" if text.endswith("\n") else "-"
+
+
+def _lines(text: str) -> list[str]:
+    return text.removesuffix("\n").split("\n")
+
+
+def _item(noun: object, indent: int) -> Iterator[str]:
+    space = " " * indent
+    if isinstance(noun, _ON_ONE_LINE) or _is_short(noun, indent):
+        yield f"{space}- {_flat(noun)}"
+        return
+    first, *others = _noun(noun, indent + 2)
+    yield f"{space}- {first.lstrip()}"
+    yield from others
+
+
+def _is_short(noun: object, indent: int) -> bool:
+    return isinstance(noun, _ON_ONE_LINE_IF_SHORT) and len(_flat(noun)) + indent + 2 <= _SHORT
+
+
+def _flat(noun: object) -> str:
+    pairs = (f"{key.name}: {_value(key, getattr(noun, key.name))}" for key in _written(noun))
+    return f"{{{', '.join(pairs)}}}"
+
+
+def _noun(noun: object, indent: int) -> Iterator[str]:
+    for key in _written(noun):
+        yield from _entry(key, getattr(noun, key.name), indent)
+
+
+def _value(key: Key, value: Any) -> str:  # noqa: ANN401 - as the key says
+    if key.many:
+        return f"[{', '.join(map(_scalar, value))}]"
+    if isinstance(value, _ON_ONE_LINE):
+        return _flat(value)
+    if key.duration:
+        return write_duration(value)
+    if key.quantity:
+        return key.quantity.write(value)
+    return _scalar(value)
+
+
+def _scalar(value: object) -> str:
+    text = str(value.value) if isinstance(value, Enum) else value
+    if isinstance(text, bool):
+        return "true" if text else "false"
+    if isinstance(text, int) or (_SAFE.fullmatch(str(text)) and _stays_text(str(text))):
+        return str(text)
+    return str(
+        yaml.safe_dump(text, default_style='"', width=float("inf"), allow_unicode=True)
+    ).strip()
+
+
+def _stays_text(text: str) -> bool:
+    return isinstance(yaml.safe_load(text), str)

@@ -1,0 +1,77 @@
+"""FIFO_Queue: one at a time, in order of arrival.
+
+## What it does
+
+**Actions and states**: each message is an action, and one is in progress at a time. The others
+wait. The next goes when the one in progress is done, or when it is overdue: after the `timeout`
+of its flow, and after `max_hold` in any case.
+
+**Commands** (velocities): the turn belongs to a flow. Its messages pass at once and renew the
+turn, until the flow is silent for its `timeout` (`release_after` if it has none), or done, or
+`max_hold` has passed since the turn began. Meanwhile each other flow keeps its freshest message
+only: a newer one takes the place of the older, which is dropped. The next turn goes to the flow
+that has waited longest, and begins with the message that it kept.
+
+A waiting message that reaches `max_age` is dropped, and so is one that finds `queue_size`
+messages waiting. A message leaves the queue at a tick only. If the tick is late, the message that
+was due is still the next to go, and a new one waits behind it.
+
+## When to use it
+
+For actions that must be completed before the next begins, whoever asked for it: goals of a
+navigation, a search or a rescue. A goal that an unexpected node sends waits instead of
+interrupting the task.
+
+## Settings
+
+| setting | of | meaning |
+|---|---|---|
+| `timeout` | each flow | actions: how long one may take; commands: the silence that ends a turn |
+| `max_hold` | the policy | the longest that a turn lasts (600 s) |
+| `max_age` | the policy | a message that has waited so long is dropped (0.5 s) |
+| `queue_size` | the policy | the number of messages that may wait (100) |
+| `release_after` | the policy | commands: the `timeout` of flows that have none (0.5 s) |
+| `block` | each flow | the flow's messages are dropped |
+
+For actions, set `max_age` to the time after which a goal is better not reached at all.
+
+## States
+
+Silence counts from the last message that passed, also from one that waited and then went.
+
+## Example
+
+>>> from rtron.policies import build
+>>> from rtron.vocabulary import SECOND, Flow, PolicyName, PolicySettings, StreamKind
+>>> policy = build(PolicySettings(
+...     policy=PolicyName.FIFO_QUEUE,
+...     kind=StreamKind.ACTION,
+...     flows=(
+...         Flow(name="flow1", publisher="/search_manager", timeout=60 * SECOND),
+...         Flow(name="flow2", publisher="/rviz"),
+...     ),
+...     max_age=300 * SECOND,
+... ))
+>>> policy.verdict("flow1", "kitchen", now=0).reason
+'flow1 has the output'
+>>> print(policy.verdict("flow2", "street", now=10 * SECOND).decision)
+hold
+>>> policy.observe_done(now=25 * SECOND)
+>>> for release in policy.tick(now=25 * SECOND):
+...     print(release.message, release.verdict.decision, "because", release.verdict.reason)
+street pass because its turn came after 15.00 s
+"""
+
+from rtron.policies.queues.message_queue import TABLE, Queue
+from rtron.policies.queues.output_lease import SingleTurn
+from rtron.vocabulary import PolicySettings, StreamKind
+
+__all__ = ["TABLE", "FIFOQueue"]
+
+
+class FIFOQueue(Queue):
+    """One turn at a time, in order of arrival."""
+
+    def __init__(self, settings: PolicySettings) -> None:
+        turn = SingleTurn(settings, renewable=settings.kind is StreamKind.COMMAND)
+        super().__init__(settings, turn, rank=lambda _: 0)

@@ -1,0 +1,59 @@
+"""Constrain: no velocity above the end user's limit.
+
+## What it does
+
+A velocity above `max_vel_limit` is scaled down to it as a whole, angular part included, so that the
+robot follows the same curve more slowly. On the topic of a maximal velocity (`max_vel`), a value
+above the limit is replaced by the limit. What is within the limit passes untouched.
+
+NaN and Inf are dropped, and so is a negative maximal velocity. A limit of 0 stops the robot: with
+the stop wave, and nothing passes.
+
+## When to use it
+
+Where the surroundings are narrow or full of people, and whoever stands beside the robot wants it
+slow, whatever the app believes. The end user selects it and sets the limit.
+
+## Settings
+
+| setting | of | meaning |
+|---|---|---|
+| `max_vel_limit` | the RSRCN | the limit, in m/s or with a unit |
+| `priority` | each vflow | the higher goes first; all the same: no order |
+| `block` | each vflow | the flow's messages are dropped |
+| `on_error` | each vflow | what a message that cannot be judged does: `stop` the robot, or `drop` |
+
+## States
+
+A velocity that is exactly at the limit is within it.
+
+## Example
+
+>>> from rtron.policies import build
+>>> from rtron.vocabulary import Flow, PolicyName, PolicySettings, StreamKind, Velocity
+>>> policy = build(PolicySettings(
+...     policy=PolicyName.CONSTRAIN,
+...     kind=StreamKind.COMMAND,
+...     flows=(Flow(name="vflow1", publisher="/tb3_monitor"),),
+...     max_vel_limit=0.22,
+... ))
+>>> verdict = policy.verdict("vflow1", Velocity((2.0,)), now=0)
+>>> print(verdict.decision, verdict.message.speed, "because", verdict.reason)
+modify 0.22 because limited to 0.22 m/s (max_vel_limit)
+>>> print(policy.verdict("vflow1", Velocity((float("nan"),)), now=0).decision)
+drop
+"""
+
+from rtron.policies.velocity_limit.frame_monitors import Rates
+from rtron.policies.velocity_limit.limit_sources import UserLimit
+from rtron.policies.velocity_limit.limiter import TABLE, Limiting
+from rtron.vocabulary import PolicySettings
+
+__all__ = ["TABLE", "Constrain"]
+
+
+class Constrain(Limiting):
+    """At most `max_vel_limit`."""
+
+    def __init__(self, settings: PolicySettings, rates: Rates) -> None:  # noqa: ARG002
+        super().__init__(settings, UserLimit(settings))

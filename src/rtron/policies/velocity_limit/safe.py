@@ -1,0 +1,71 @@
+"""Safe: no velocity above what the robot's image nodes can follow.
+
+## What it does
+
+The limit is `threshold` x fps: the metres that the robot may drive from one frame to the next,
+times the frames a second that its image nodes really work off; several image nodes: the least. A
+velocity above it is scaled down as a whole, angular part included. On the topic of a maximal
+velocity the value asked for last goes out again whenever the limit changes, ten times a second at
+most.
+
+The frame rate is measured by the fps_monitors, from what the image nodes publish for each frame:
+the frames of a sliding window, never more than one in the time since the last, never more than the
+camera's own. When an image node falls silent, the limit is `lowest`, not the last one: by default
+0, and the robot is stopped with the stop wave.
+
+## When to use it
+
+Always where a robot must see what is in its way: a recognition that is starved by another process
+slows the robot down instead of blinding it. The developer sets the threshold.
+
+## Settings
+
+| setting | of | meaning |
+|---|---|---|
+| `threshold` | the RSRCN | metres per frame |
+| `lowest` | the RSRCN | the limit while an image node is silent, or before it speaks (0 m/s) |
+| `window` | each fps_monitor | what the rate is measured over (1 s) |
+| `silent_after` | each fps_monitor | the time without a frame after which it is silent (1 s) |
+| `priority` | each vflow | the higher goes first; all the same: no order |
+| `block` | each vflow | the flow's messages are dropped |
+| `on_error` | each vflow | what a message that cannot be judged does: `stop` the robot, or `drop` |
+
+## States
+
+A velocity that is exactly at the limit is within it.
+
+## Example
+
+>>> from rtron.policies import Rates, build
+>>> from rtron.vocabulary import (
+...     SECOND, Flow, FpsMonitor, PolicyName, PolicySettings, StreamKind, Velocity
+... )
+>>> rates = Rates([FpsMonitor(id="fps_detector", node="/detector", topic="/detector/image")])
+>>> policy = build(PolicySettings(
+...     policy=PolicyName.SAFE,
+...     kind=StreamKind.COMMAND,
+...     flows=(Flow(name="vflow1", publisher="/move_base"),),
+...     threshold=0.05,
+... ), rates)
+>>> print(policy.verdict("vflow1", Velocity((0.5,), (0.25,)), now=0).reason)
+nothing moves: 0 m/s (fps_detector is silent)
+>>> for frame in range(4):
+...     rates.monitors["fps_detector"].frame(stamp=frame + 1, now=frame * SECOND // 4)
+>>> verdict = policy.verdict("vflow1", Velocity((0.5,), (0.25,)), now=SECOND * 3 // 4)
+>>> print(verdict.message, "because", verdict.reason)
+Velocity(linear=(0.2,), angular=(0.1,)) because limited to 0.2 m/s (fps_detector: 4.0 fps x 0.05 m)
+"""
+
+from rtron.policies.velocity_limit.frame_monitors import Rates
+from rtron.policies.velocity_limit.limit_sources import FrameLimit
+from rtron.policies.velocity_limit.limiter import TABLE, Limiting
+from rtron.vocabulary import PolicySettings
+
+__all__ = ["TABLE", "Safe"]
+
+
+class Safe(Limiting):
+    """At most `threshold` x fps."""
+
+    def __init__(self, settings: PolicySettings, rates: Rates) -> None:
+        super().__init__(settings, FrameLimit(settings, rates))

@@ -1,0 +1,58 @@
+"""Safe+Constrain: the lower of two limits, the frame rate's and the end user's.
+
+## What it does
+
+What Safe and Constrain do, each message under the lower limit of the moment.
+
+## When to use it
+
+Where the developer's Safe holds at all times and the end user asks for less in some places.
+
+## Settings
+
+| setting | of | meaning |
+|---|---|---|
+| `threshold` | the RSRCN | metres per frame |
+| `lowest` | the RSRCN | the limit while an image node is silent (0 m/s) |
+| `max_vel_limit` | the RSRCN | the end user's limit |
+| `priority`, `block`, `on_error` | each vflow | as in Safe |
+
+## States
+
+A velocity that is exactly at the limit is within it.
+
+## Example
+
+>>> from rtron.policies import Rates, build
+>>> from rtron.vocabulary import (
+...     SECOND, Flow, FpsMonitor, PolicyName, PolicySettings, StreamKind, Velocity
+... )
+>>> rates = Rates([FpsMonitor(id="fps_detector", node="/detector", topic="/detector/image")])
+>>> policy = build(PolicySettings(
+...     policy=PolicyName.SAFE_CONSTRAIN,
+...     kind=StreamKind.COMMAND,
+...     flows=(Flow(name="vflow1", publisher="/move_base"),),
+...     threshold=0.05,
+...     max_vel_limit=0.15,
+... ), rates)
+>>> for frame in range(4):
+...     rates.monitors["fps_detector"].frame(stamp=frame + 1, now=frame * SECOND // 4)
+>>> print(policy.verdict("vflow1", Velocity((0.5,)), now=SECOND * 3 // 4).reason)
+limited to 0.15 m/s (max_vel_limit)
+>>> print(policy.verdict("vflow1", Velocity((0.5,)), now=2 * SECOND).reason)
+nothing moves: 0 m/s (fps_detector is silent)
+"""
+
+from rtron.policies.velocity_limit.frame_monitors import Rates
+from rtron.policies.velocity_limit.limit_sources import FrameLimit, LowerLimit, UserLimit
+from rtron.policies.velocity_limit.limiter import TABLE, Limiting
+from rtron.vocabulary import PolicySettings
+
+__all__ = ["TABLE", "SafeConstrain"]
+
+
+class SafeConstrain(Limiting):
+    """At most the lower of Safe's limit and Constrain's."""
+
+    def __init__(self, settings: PolicySettings, rates: Rates) -> None:
+        super().__init__(settings, LowerLimit(UserLimit(settings), FrameLimit(settings, rates)))

@@ -1,0 +1,37 @@
+"""Requests are for this service by one of its names, or refused: no DNS name of a stranger's."""
+
+from http import HTTPStatus
+
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from rtron.service.api.middleware.refusal import refuse
+
+
+class Hosts:
+    """Lets pass what names one of `names` (small letters) in its Host header."""
+
+    def __init__(self, app: ASGIApp, names: frozenset[str]) -> None:
+        self.app = app
+        self.names = names
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle a request, as ASGI says."""
+        if scope["type"] not in ("http", "websocket") or self._knows(Headers(scope=scope)):
+            return await self.app(scope, receive, send)
+        error, help = "there is no such host here", "rtron serve --allow-host NAME"
+        return await refuse(scope, receive, send, HTTPStatus.MISDIRECTED_REQUEST, error, help)
+
+    def _knows(self, headers: Headers) -> bool:
+        given = headers.getlist("host")
+        return len(given) == 1 and host_name(given[0]) in self.names
+
+
+def host_name(host: str) -> str:
+    """Return the name in a Host header, without port and brackets, in small letters."""
+    name, colon, port = host.rpartition(":")
+    if not colon or not (port.isdigit() and port.isascii()) or name.endswith(":"):
+        name = host
+    if name.startswith("[") and name.endswith("]"):
+        name = name[1:-1]
+    return name.lower()

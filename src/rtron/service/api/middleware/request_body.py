@@ -1,0 +1,137 @@
+"""Bodies of requests: read whole within a bound and a time before anybody looks into them."""
+
+import re
+from contextlib import AsyncExitStack
+from http import HTTPStatus
+
+from anyio import fail_after, to_thread
+from starlette.datastructures import Headers
+from starlette.requests import Request
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from rtron.errors import RTronError
+from rtron.service.api.auth.authentication import SAFE_METHODS, check_csrf, watcher_of
+from rtron.service.api.context import service_of
+from rtron.service.api.error_responses import status_of
+from rtron.service.api.middleware.nesting import is_too_deep
+from rtron.service.api.middleware.refusal import refuse
+from rtron.service.domain.errors import ForbiddenError
+from rtron.service.domain.schemas import UserRole
+
+MOST = 1 << 20
+"""The most bytes of a body."""
+MOST_OF_GRAPH = 16 << 20
+"""The most bytes of an interaction graph."""
+_GRAPH = re.compile(r"/api/v1/robots/[^/]+/graph")
+
+
+class _RefusedError(Exception):
+    def __init__(self, status: int, error: str) -> None:
+        super().__init__(error)
+        self.status = status
+
+
+class Bodies:
+    """Gives the app a body that is there, or refuses it; `patience` is in seconds.
+
+    A large one is read only from who may upload one, and one at a time.
+    """
+
+    def __init__(self, app: ASGIApp, patience: float = 20.0) -> None:
+        self.app = app
+        self.patience = patience
+        self.has_large = False
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle a request, as ASGI says."""
+        if scope["type"] != "http" or scope["method"] in SAFE_METHODS:
+            return await self.app(scope, receive, send)
+        async with AsyncExitStack() as stack:
+            try:
+                with fail_after(self.patience):
+                    body = await self._body(scope, receive, stack)
+            except TimeoutError:
+                slow = "the body came too slowly"
+                return await refuse(scope, receive, send, HTTPStatus.REQUEST_TIMEOUT, slow)
+            except _RefusedError as error:
+                return await refuse(scope, receive, send, error.status, str(error))
+            if body is None:
+                return None
+            return await self.app(scope, _replayed(body, receive), send)
+
+    async def _body(self, scope: Scope, receive: Receive, stack: AsyncExitStack) -> bytes | None:
+        """Return the body, None if the other side has gone."""
+        most = MOST_OF_GRAPH if _is_graph(scope) else MOST
+        length = int(Headers(scope=scope).get("content-length", "0"))
+        if length > most:
+            raise _too_large(most)
+        is_large = length > MOST
+        if is_large:
+            await self._admit(scope, stack)
+        body, more = bytearray(), True
+        while more:
+            message = await receive()
+            if message["type"] == "http.disconnect":
+                return None
+            body += message.get("body", b"")
+            more = message.get("more_body", False)
+            if len(body) > most:
+                raise _too_large(most)
+            if len(body) > MOST and not is_large:
+                is_large = True
+                await self._admit(scope, stack)
+        if body:
+            await to_thread.run_sync(_check, body)
+        return bytes(body)
+
+    async def _admit(self, scope: Scope, stack: AsyncExitStack) -> None:
+        """Let a large body come from who may upload it, if there is no other one."""
+        await to_thread.run_sync(_check_uploader, scope)
+        if self.has_large:
+            raise _RefusedError(HTTPStatus.SERVICE_UNAVAILABLE, "another large body comes just now")
+        self.has_large = True
+        stack.callback(self._dismiss)
+
+    def _dismiss(self) -> None:
+        self.has_large = False
+
+
+def _check_uploader(scope: Scope) -> None:
+    request = Request(scope)
+    try:
+        caller = watcher_of(service_of(request), request)
+        check_csrf(caller, request)
+        if UserRole.DEVELOPER not in caller.roles:
+            raise ForbiddenError(f"{caller.name} may upload no graph")
+    except RTronError as error:
+        raise _RefusedError(status_of(error), str(error)) from None
+
+
+def _check(body: bytearray) -> None:
+    """Refuse what parsers would recurse into, and the character that PostgreSQL cannot keep."""
+    if is_too_deep(body):
+        raise _RefusedError(HTTPStatus.BAD_REQUEST, "lists and objects are nested too deeply")
+    if b"\\u0000" in body or b"\0" in body:
+        raise _RefusedError(HTTPStatus.BAD_REQUEST, "a text has the character NUL")
+
+
+def _is_graph(scope: Scope) -> bool:
+    return scope["method"] == "PUT" and bool(_GRAPH.fullmatch(scope["path"]))
+
+
+def _too_large(most: int) -> _RefusedError:
+    return _RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {most >> 20} MiB")
+
+
+def _replayed(body: bytes, receive: Receive) -> Receive:
+    """Return a `receive` that gives the whole body, and then what comes after it."""
+    told = False
+
+    async def again() -> Message:
+        nonlocal told
+        if told:
+            return await receive()
+        told = True
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    return again

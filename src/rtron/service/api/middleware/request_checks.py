@@ -1,0 +1,49 @@
+"""Pages of other sites may neither change anything nor listen (CSRF, cross-site WebSockets)."""
+
+from http import HTTPStatus
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from rtron.service.api.auth.authentication import SAFE_METHODS
+from rtron.service.api.middleware.refusal import refuse
+
+_OWN = ("same-origin", "none")
+
+
+class Origins:
+    """Lets WebSockets and changes pass that come from the service's own pages, or from programs."""
+
+    def __init__(self, app: ASGIApp, schemes: frozenset[str]) -> None:
+        self.app = app
+        self.schemes = schemes
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle a request, as ASGI says."""
+        if not _matters(scope) or self._is_own(Headers(scope=scope)):
+            return await self.app(scope, receive, send)
+        error, help = "that is a page of another site", "use the console of this address"
+        return await refuse(scope, receive, send, HTTPStatus.FORBIDDEN, error, help)
+
+    def _is_own(self, headers: Headers) -> bool:
+        if headers.get("sec-fetch-site", "none") not in _OWN:
+            return False
+        origin = headers.get("origin")
+        if origin is None:
+            is_browser = "upgrade" in headers and "authorization" not in headers
+            return not is_browser
+        return self._is_same(origin, headers.get("host", ""))
+
+    def _is_same(self, origin: str, host: str) -> bool:
+        try:
+            parts = urlsplit(origin)
+        except ValueError:
+            return False
+        return parts.scheme in self.schemes and parts.netloc.lower() == host.lower()
+
+
+def _matters(scope: Scope) -> bool:
+    if scope["type"] == "http":
+        return scope["method"] not in SAFE_METHODS
+    return bool(scope["type"] == "websocket")

@@ -1,0 +1,75 @@
+"""Events, a page at a time, and what they add up to over time."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from rtron.errors import InputError
+from rtron.service.api.auth.authorization import Reader
+from rtron.service.api.context import Served
+from rtron.service.domain.errors import NotFoundError
+from rtron.service.domain.schemas import EventPage, Name
+from rtron.service.store.event_pages import MOST, EventFilter, event_page
+from rtron.service.store.robots import find_robot
+from rtron.service.store.time_series import Figures, figures
+from rtron.vocabulary import EventKind, Level
+
+router = APIRouter()
+
+_LARGEST = (1 << 63) - 1
+_HOUR = 3_600_000_000_000
+Text = Annotated[str | None, Query(max_length=300)]
+Time = Annotated[int | None, Query(ge=0, le=_LARGEST, description="Wall clock, ns since 1970.")]
+Id = Annotated[int | None, Query(ge=1, le=_LARGEST)]
+Limit = Annotated[int, Query(ge=1, le=MOST)]
+
+
+@router.get("/events")
+def events(  # noqa: PLR0913 - the parameters of the query
+    _caller: Reader,
+    service: Served,
+    *,
+    robot: Text = None,
+    kind: EventKind | None = None,
+    level: Level | None = None,
+    node: Text = None,
+    topic: Text = None,
+    text: Text = None,
+    since: Time = None,
+    until: Time = None,
+    before: Id = None,
+    after: Id = None,
+    counts: bool = True,
+    limit: Limit = 100,
+) -> EventPage:
+    """Return events, newest first; `before` is the `next` of the page before."""
+    wanted = EventFilter(
+        robot=robot,
+        kind=kind,
+        level=level,
+        node=node,
+        topic=topic,
+        text=text,
+        since=since,
+        until=until,
+        before=before,
+        after=after,
+        counts=counts,
+    )
+    with service.database.session() as session:
+        return event_page(session, wanted, limit)
+
+
+@router.get("/robots/{robot}/figures")
+def robot_figures(
+    robot: Name, _caller: Reader, service: Served, since: Time = None, until: Time = None
+) -> Figures:
+    """Return what the robot's streams did from `since` (an hour ago) to `until` (now)."""
+    end = service.clock() if until is None else until
+    start = max(0, end - _HOUR) if since is None else since
+    if start > end:
+        raise InputError("`since` is after `until`", help="give the earlier time as `since`")
+    with service.database.session() as session:
+        if find_robot(session, robot) is None:
+            raise NotFoundError(f"there is no robot {robot}")
+        return figures(session, robot, start, end)

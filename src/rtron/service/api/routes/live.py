@@ -1,0 +1,92 @@
+"""What is live, to consoles: a WebSocket that ends with the session it was opened with."""
+
+import asyncio
+from collections.abc import Coroutine
+from contextlib import suppress
+
+from anyio import to_thread
+from fastapi import APIRouter, WebSocket
+from sqlalchemy.exc import SQLAlchemyError
+from starlette.websockets import WebSocketDisconnect, WebSocketState
+
+from rtron.errors import RTronError
+from rtron.service.api.auth.authentication import watcher_of
+from rtron.service.api.context import Served, Service
+from rtron.service.domain.errors import ForbiddenError
+
+router = APIRouter()
+
+_POLICY_VIOLATION = 1008
+_TRY_AGAIN = 1013
+_LOOK_S = 1.0
+_MOST = 200
+
+
+@router.websocket("/live")
+async def live(socket: WebSocket, service: Served) -> None:
+    """Tell live messages until the session or the token ends, or the console is too slow."""
+    try:
+        await to_thread.run_sync(_check, service, socket)
+    except RTronError as error:
+        return await socket.close(_POLICY_VIOLATION, str(error)[:100])
+    if not _has_place(socket):
+        return await socket.close(_TRY_AGAIN, "too many consoles")
+    await socket.accept()
+    sockets = socket.app.state.sockets
+    sockets.add(socket)
+    try:
+        await _first(_tell(socket, service), _hear(socket), _watch(socket, service))
+    finally:
+        sockets.discard(socket)
+        await _close(socket)
+
+
+def _has_place(socket: WebSocket) -> bool:
+    return len(socket.app.state.sockets) < _MOST
+
+
+def _check(service: Service, socket: WebSocket) -> None:
+    caller = watcher_of(service, socket)
+    if not caller.may_read:
+        raise ForbiddenError("the token may not read")
+
+
+async def _tell(socket: WebSocket, service: Service) -> None:
+    with service.hub.listen() as listener:
+        async for message in listener:
+            await socket.send_json(message)
+
+
+async def _hear(socket: WebSocket) -> None:
+    """Wait until the console has gone; what it says is not asked for."""
+    while (await socket.receive())["type"] != "websocket.disconnect":
+        pass
+
+
+async def _watch(socket: WebSocket, service: Service) -> None:
+    """Wait until the session is over: logged out, disabled, removed, revoked or too old."""
+    with suppress(RTronError):
+        while True:
+            await asyncio.sleep(_LOOK_S)
+            with suppress(SQLAlchemyError):  # it is away: no reason to end what is live
+                await to_thread.run_sync(_check, service, socket)
+
+
+async def _first(*works: Coroutine[None, None, None]) -> None:
+    """Do these things at once until one of them ends."""
+    tasks = [asyncio.ensure_future(work) for work in works]
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in done:
+            with suppress(WebSocketDisconnect, RuntimeError):
+                task.result()
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def _close(socket: WebSocket) -> None:
+    if socket.application_state is WebSocketState.CONNECTED:
+        with suppress(RuntimeError, WebSocketDisconnect):
+            await socket.close(_POLICY_VIOLATION, "the session is over, or the console too slow")

@@ -1,0 +1,44 @@
+"""Webhooks: where alerts go. Their secrets sign, so they are kept as they are."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
+
+from rtron.service.domain.errors import ConflictError, NotFoundError
+from rtron.service.store.accounts.secrets import new_secret
+from rtron.service.store.tables import WebhookRow
+from rtron.vocabulary import Level
+
+_MOST = 20
+_LONGEST = 300
+
+
+def all_webhooks(session: Session) -> Sequence[WebhookRow]:
+    """Return every webhook, the oldest first."""
+    return session.scalars(select(WebhookRow).order_by(WebhookRow.id)).all()
+
+
+def add_webhook(session: Session, now: int, url: str, level: Level) -> WebhookRow:
+    """Add a webhook with a secret of its own; ConflictError if there are too many."""
+    if len(all_webhooks(session)) >= _MOST:
+        raise ConflictError(f"there are {_MOST} webhooks, no more are served")
+    row = WebhookRow(url=url, level=str(level), secret=new_secret(), created=now, failing="")
+    session.add(row)
+    session.flush()
+    return row
+
+
+def remove_webhook(session: Session, id: int) -> WebhookRow:
+    """Remove a webhook; NotFoundError if there is none."""
+    row = session.get(WebhookRow, id)
+    if row is None:
+        raise NotFoundError(f"there is no webhook {id}")
+    session.delete(row)
+    return row
+
+
+def note_failing(session: Session, id: int, why: str) -> None:
+    """Note why the last call failed, "" if it did not."""
+    query = update(WebhookRow).where(WebhookRow.id == id)
+    session.execute(query.values(failing=why[:_LONGEST]))

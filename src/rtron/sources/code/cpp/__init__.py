@@ -1,5 +1,0 @@
-"""C++ (C++98 to C++20, C, CUDA): a file's text lowered to the intermediate representation."""
-
-from rtron.sources.code.cpp.lower import lower_cpp
-
-__all__ = ["lower_cpp"]

@@ -1,0 +1,235 @@
+"""The preprocessor: comments and dead branches go, macros are expanded, lines keep their numbers.
+
+Files that are included are not read; their names are kept (C++17, clause 19).
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+
+from rtron.sources.code.frontends.cpp.macros import (
+    CHARACTER,
+    ENCODING,
+    RAW_STRING,
+    STRING,
+    Macro,
+    Macros,
+)
+from rtron.sources.code.frontends.cpp.predefined_macros import LOGGING, PREDEFINED, QT_WORDS
+from rtron.sources.code.frontends.cpp.preprocessor_condition import holds
+from rtron.sources.code.ir import Problem
+
+_CONTINUED = r"(?:\\\n|[^\n])*"
+_PIECE = re.compile(
+    rf"/\*(?s:.*?)(?:\*/|\Z)|//{_CONTINUED}|\n[ \t]*#{_CONTINUED}"
+    rf"|{RAW_STRING.removeprefix(ENCODING)}|{STRING.removeprefix(ENCODING)}"
+    rf"|{CHARACTER.removeprefix(ENCODING)}"
+)
+"""Comments, directives with the newline before them, and what neither is looked for in.
+
+Each begins with a letter of its own, which lets the search skip what lies between.
+"""
+_COMMENT = re.compile(rf"(?P<comment>/\*(?s:.*?)(?:\*/|\Z)|//.*)|{STRING}|{CHARACTER}")
+_DIRECTIVE = re.compile(r"\s*#\s*(\w*)\s*(.*)", re.DOTALL)
+_DEFINE = re.compile(r"(\w+)(?:\(([^()]*)\))?\s*(.*)", re.DOTALL)
+_SPLICED = re.compile(r"^(?:.*\\\n)+.*", re.MULTILINE)
+_QT = re.compile(r"\bQ_OBJECT\b|<Q[A-Z]\w+>|\bemit \w")
+_MAY_BE_QT = ("Q_OBJECT", "<Q", "emit ")
+
+
+@dataclass(frozen=True, slots=True)
+class Preprocessed:
+    """The code that is left, on its lines, and what the directives said."""
+
+    code: str
+    includes: tuple[str, ...]
+    macros: Mapping[str, Macro]
+    problems: tuple[Problem, ...]
+
+
+def preprocess(text: str, defined: Mapping[str, str]) -> Preprocessed:
+    """Return what the compiler sees of a file; `defined` are object-like macros known before it.
+
+    What cannot be read, an `#if` or an `#endif` without its `#if`, is among the problems.
+    """
+    reader = _Reader(Macros())
+    reader.macros.defined.update(_predefined(qt=_is_qt(text)))
+    known = {name: Macro(body) for name, body in defined.items()}
+    reader.macros.defined.update(known)
+    before = dict(reader.macros.defined)
+    code = reader.read(text)
+    macros = {k: v for k, v in reader.macros.defined.items() if before.get(k) is not v}
+    return Preprocessed(code, tuple(reader.includes), macros, tuple(reader.problems))
+
+
+def _is_qt(text: str) -> bool:
+    return any(word in text for word in _MAY_BE_QT) and _QT.search(text) is not None
+
+
+@cache
+def _predefined(*, qt: bool) -> Mapping[str, Macro]:
+    """Return the macros that are defined before a file begins, read once."""
+    reader = _Reader(Macros())
+    reader.read(PREDEFINED + LOGGING + (QT_WORDS if qt else ""))
+    return reader.macros.defined
+
+
+@dataclass(slots=True)
+class _Branch:
+    """An open `#if`: whether its present branch lives, and whether one already did."""
+
+    live: bool
+    taken: bool
+    line: int
+
+
+@dataclass(slots=True)
+class _Reader:
+    """Reads a file's directives in order."""
+
+    macros: Macros
+    includes: list[str] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    _branches: list[_Branch] = field(default_factory=list)
+    _line: int = 1
+
+    def read(self, text: str) -> str:
+        self._line = 1
+        code = "".join(self._pieces(text))
+        for branch in self._branches:
+            self._problem("#if without #endif", branch.line)
+        self._branches.clear()
+        if self.macros.exhausted:
+            self._problem("macros expand to too much text; the rest is not expanded")
+        return code
+
+    def _pieces(self, text: str) -> Iterator[str]:
+        """Yield the live code between directives, and the newlines of all that goes."""
+        segment: list[str] = []
+        text, position = f"\n{text}", 1
+        for found in _PIECE.finditer(text):
+            piece = found.group()
+            if piece[0] not in "/\n":
+                continue
+            start = found.start() + (piece[0] == "\n")
+            segment.append(text[position:start])
+            position = found.end()
+            lines = text.count("\n", start, position)
+            if piece[0] == "/":
+                segment.append(" " + "\n" * lines)
+                continue
+            yield self._finished(segment)
+            self._directive(piece[1:])
+            self._line += lines
+            yield "\n" * lines
+        segment.append(text[position:])
+        yield self._finished(segment)
+
+    def _finished(self, segment: list[str]) -> str:
+        code = "".join(segment)
+        segment.clear()
+        lines = code.count("\n")
+        self._line += lines
+        return self.macros.expand(_SPLICED.sub(_joined, code)) if self._live else "\n" * lines
+
+    @property
+    def _live(self) -> bool:
+        return not self._branches or self._branches[-1].live
+
+    def _directive(self, text: str) -> None:
+        plain = _COMMENT.sub(_without_comment, text.replace("\\\n", " "))
+        found = _DIRECTIVE.match(plain)
+        name, rest = (found[1], found[2].strip()) if found else ("", "")
+        if name in _CONDITIONS:
+            _CONDITIONS[name](self, rest)
+        elif self._live and name in _ACTIONS:
+            _ACTIONS[name](self, rest)
+
+    def _problem(self, why: str, line: int = 0) -> None:
+        self.problems.append(Problem(line or self._line, why))
+
+    def _define(self, rest: str) -> None:
+        found = _DEFINE.match(rest)
+        if found:
+            params = None if found[2] is None else _params(found[2])
+            self.macros.defined[found[1]] = Macro(found[3].strip(), params, self._line)
+
+    def _undef(self, rest: str) -> None:
+        self.macros.defined.pop(rest, None)
+
+    def _include(self, rest: str) -> None:
+        self.includes.append(rest if rest[:1] in {"<", '"'} else self.macros.expand(rest))
+
+    def _if(self, rest: str) -> None:
+        self._open(lambda: self._holds(rest))
+
+    def _ifdef(self, rest: str) -> None:
+        self._open(lambda: _first(rest) in self.macros.defined)
+
+    def _ifndef(self, rest: str) -> None:
+        self._open(lambda: _first(rest) not in self.macros.defined)
+
+    def _open(self, test: Callable[[], bool]) -> None:
+        outer = self._live
+        live = outer and test()
+        self._branches.append(_Branch(live, live or not outer, self._line))
+
+    def _elif(self, rest: str) -> None:
+        self._turn("#elif", lambda: self._holds(rest))
+
+    def _else(self, _rest: str) -> None:
+        self._turn("#else", lambda: True)
+
+    def _turn(self, name: str, test: Callable[[], bool]) -> None:
+        if not self._branches:
+            self._problem(f"{name} without #if")
+            return
+        branch = self._branches[-1]
+        branch.live = not branch.taken and test()
+        branch.taken |= branch.live
+
+    def _endif(self, _rest: str) -> None:
+        if self._branches:
+            self._branches.pop()
+        else:
+            self._problem("#endif without #if")
+
+    def _holds(self, rest: str) -> bool:
+        try:
+            return holds(rest, self.macros)
+        except ValueError as error:
+            self._problem(f"#if {rest[:60]}: {error}")
+            return False
+
+
+_CONDITIONS: dict[str, Callable[[_Reader, str], None]] = {
+    "if": _Reader._if,  # noqa: SLF001
+    "ifdef": _Reader._ifdef,  # noqa: SLF001
+    "ifndef": _Reader._ifndef,  # noqa: SLF001
+    "elif": _Reader._elif,  # noqa: SLF001
+    "else": _Reader._else,  # noqa: SLF001
+    "endif": _Reader._endif,  # noqa: SLF001
+}
+_ACTIONS: dict[str, Callable[[_Reader, str], None]] = {
+    "define": _Reader._define,  # noqa: SLF001
+    "undef": _Reader._undef,  # noqa: SLF001
+    "include": _Reader._include,  # noqa: SLF001
+}
+
+
+def _joined(found: re.Match[str]) -> str:
+    """Return a line that goes on behind a backslash as one line, its newlines behind it."""
+    return found.group().replace("\\\n", "") + "\n" * found.group().count("\\\n")
+
+
+def _params(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _first(text: str) -> str:
+    return text.split(maxsplit=1)[0] if text else ""
+
+
+def _without_comment(found: re.Match[str]) -> str:
+    return " " if found["comment"] else found.group()

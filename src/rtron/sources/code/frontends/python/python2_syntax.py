@@ -1,0 +1,237 @@
+"""Python 2 rewritten as Python 3, statement by statement; no line moves.
+
+What changed is listed in "What's New In Python 3.0" and PEPs 3105, 3109, 3110, 3113, 3127.
+"""
+
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rtron.sources.code.frontends.python.tokenizer import (
+    Token,
+    at_depth_0,
+    depth_behind,
+    indentation,
+    statements,
+)
+
+TUPLE_PARAMETER = "_tuple_"
+_LONG = re.compile(r"(0[xXoObB]\w+|\d+)[lL]")
+_OCTAL = re.compile(r"0+([0-7]+)[lL]?")
+_RAW_UNICODE = re.compile(r"[uU][rR](?=['\"])")
+_NOT_AN_ESCAPE = re.compile(
+    r"(?<!\\)((?:\\\\)*)\\(?=u(?![0-9a-fA-F]{4})|U(?!00(?:0[0-9a-fA-F]|10)[0-9a-fA-F]{4})|N(?!\{))"
+)
+_MOST_TOKENS = 2000
+_MOST_LAMBDAS = 20
+_CLOSING = frozenset({")", "]", "}", ",", ";", "for"})
+
+
+class Edit(NamedTuple):
+    """Text from `start` to `end` is replaced."""
+
+    start: int
+    end: int
+    text: str
+
+
+def as_python3(text: str) -> str:
+    """Return Python 2 text as Python 3 of the same meaning, as far as that is a matter of syntax.
+
+    A parameter `(a, b)` of a function becomes one whose name begins with `TUPLE_PARAMETER` and
+    whose annotation is the tuple. What is already Python 3 stays.
+    """
+    edits = [edit for tokens in statements(text) for edit in _edits(text, tokens)]
+    pieces, done = [], 0
+    for edit in sorted(edits, key=lambda edit: (edit.start, edit.end)):
+        if edit.start >= done:
+            pieces += [text[done : edit.start], edit.text]
+            done = edit.end
+    return "".join([*pieces, text[done:]])
+
+
+def _edits(text: str, tokens: list[Token]) -> Iterator[Edit]:
+    yield from _indentation(text, tokens[0])
+    yield from _words(tokens)
+    yield from _lambdas(text, tokens)
+    if tokens[0].text == "def":
+        yield from _def(text, tokens)
+    elif tokens[0].text == "print":
+        yield from _print(text, tokens)
+    elif tokens[0].text == "exec":
+        yield from _exec(tokens)
+    elif tokens[0].text == "except":
+        yield from _except(tokens)
+    elif tokens[0].text == "raise":
+        yield from _raise(tokens)
+
+
+def _indentation(text: str, first: Token) -> Iterator[Edit]:
+    """Replace tabs: each leads to the next multiple of eight."""
+    white = indentation(text, first)
+    if "\t" in white:
+        yield Edit(first.start - len(white), first.start, white.expandtabs(8))
+
+
+def _words(tokens: list[Token]) -> Iterator[Edit]:
+    quoted = False
+    for token, behind in zip(tokens, [*tokens[1:], tokens[-1]], strict=True):
+        new = _word(token, behind)
+        if token.text == "`":
+            quoted = not quoted
+            new = "repr(" if quoted else ")"
+        if new != token.text:
+            yield Edit(token.start, token.end, new)
+
+
+def _word(token: Token, behind: Token) -> str:
+    """Return a token as Python 3 spells it; `async` was a name of any kind."""
+    if token.kind == "number":
+        return _number(token.text)
+    if token.kind == "string":
+        return _string(token.text)
+    if token.text == "async" and behind.text not in ("def", "for", "with"):
+        return "async_"
+    return "!=" if token.text == "<>" else token.text
+
+
+def _number(text: str) -> str:
+    if octal := _OCTAL.fullmatch(text):
+        return f"0o{octal[1]}"
+    return found[1] if (found := _LONG.fullmatch(text)) else text
+
+
+def _string(text: str) -> str:
+    """Drop the `u` of a raw Unicode string; elsewhere keep what only looks like an escape."""
+    if "r" in text[: len(text) - len(text.lstrip("uUrRbBfF"))].lower():
+        return _RAW_UNICODE.sub("r", text, count=1)
+    return _NOT_AN_ESCAPE.sub(r"\1\\\\", text)
+
+
+def _print(text: str, tokens: list[Token]) -> Iterator[Edit]:
+    keyword, *rest = tokens
+    if rest and (rest[0].text in (".", "=") or _is_bracketed(rest)):
+        return
+    if rest and rest[0].text == ">>":
+        yield from _print_to(text, keyword, rest)
+        return
+    yield Edit(keyword.start, keyword.end, "print(" if rest else "print()")
+    if rest:
+        yield Edit(tokens[-1].end, tokens[-1].end, ")")
+
+
+def _print_to(text: str, keyword: Token, rest: list[Token]) -> Iterator[Edit]:
+    """`print >>file, values`: the file goes behind the values, its line ends stay."""
+    commas = at_depth_0(rest, ",")
+    end = rest[commas[0]].end if commas else rest[-1].end
+    file = text[rest[0].end : rest[commas[0]].start if commas else end]
+    comma = ", " if end < rest[-1].end and rest[-1].text != "," else ""
+    yield Edit(keyword.start, end, "print(" + "\n" * text.count("\n", keyword.start, end))
+    yield Edit(rest[-1].end, rest[-1].end, f"{comma}file={' '.join(file.split())})")
+
+
+def _exec(tokens: list[Token]) -> Iterator[Edit]:
+    keyword, *rest = tokens
+    if not rest or _is_bracketed(rest):
+        return
+    yield Edit(keyword.start, keyword.end, "exec(")
+    for place in at_depth_0(rest, "in")[:1]:
+        yield Edit(rest[place].start, rest[place].end, ",")
+    yield Edit(rest[-1].end, rest[-1].end, ")")
+
+
+def _is_bracketed(tokens: list[Token]) -> bool:
+    """Whether all of it stands in one pair of round brackets."""
+    return tokens[0].text == "(" and _closing(tokens, 0) == len(tokens) - 1
+
+
+def _except(tokens: list[Token]) -> Iterator[Edit]:
+    """`except E, e:`; a variable that is no plain name cannot be kept."""
+    for place in at_depth_0(tokens, ",")[:1]:
+        comma, behind = tokens[place], tokens[place + 1 : -1]
+        if len(behind) == 1 and behind[0].kind == "name":
+            yield Edit(comma.start, comma.end, " as")
+        elif tokens[-1].text == ":":
+            yield Edit(comma.start, tokens[-1].start, "")
+
+
+def _raise(tokens: list[Token]) -> Iterator[Edit]:
+    """`raise E, value, traceback`: the traceback becomes an argument too."""
+    for place in at_depth_0(tokens, ",")[:1]:
+        yield Edit(tokens[place].start, tokens[place].end, "(")
+        yield Edit(tokens[-1].end, tokens[-1].end, ")")
+
+
+def _def(text: str, tokens: list[Token]) -> Iterator[Edit]:
+    opening = next((place for place, token in enumerate(tokens) if token.text == "("), None)
+    for begin, end in _tuples(tokens, opening) if opening is not None else ():
+        start, stop = tokens[begin].start, tokens[end].end
+        if _is_single(tokens[begin:end]):
+            yield Edit(start, stop, text[start + 1 : stop - 1])
+        else:
+            yield Edit(start, stop, f"{TUPLE_PARAMETER}{start}: {text[start:stop]}")
+
+
+def _lambdas(text: str, tokens: list[Token]) -> Iterator[Edit]:
+    """Take tuples among the parameters of lambdas apart, in a statement of a human's making."""
+    if len(tokens) > _MOST_TOKENS:
+        return
+    places = [place for place, token in enumerate(tokens) if token.text == "lambda"]
+    for place in places[:_MOST_LAMBDAS]:
+        if pairs := _tuples(tokens, place):
+            yield from _lambda(text, tokens, pairs)
+
+
+def _lambda(text: str, tokens: list[Token], pairs: list[tuple[int, int]]) -> Iterator[Edit]:
+    """`lambda (a, b): e` is `lambda t: (lambda a, b: (e))(*t)`."""
+    inner, given = [], []
+    for begin, end in pairs:
+        start, stop = tokens[begin].start, tokens[end].end
+        single = _is_single(tokens[begin:end])
+        name = text[start + 1 : stop - 1] if single else f"{TUPLE_PARAMETER}{start}"
+        yield Edit(start, stop, name)
+        if not single:
+            inner.append(" ".join(text[start + 1 : stop - 1].rstrip(", ").split()))
+            given.append(f"*{name}")
+    colon = next((i for i in range(pairs[-1][1], len(tokens)) if tokens[i].text == ":"), None)
+    if inner and colon is not None:
+        end = _end_of_body(tokens, colon + 1)
+        yield Edit(tokens[colon].end, tokens[colon].end, f" (lambda {', '.join(inner)}: (")
+        yield Edit(end, end, f"))({', '.join(given)})")
+
+
+def _end_of_body(tokens: list[Token], place: int) -> int:
+    """Return where the body of a lambda ends that begins at `place`."""
+    depth = 0
+    for before, token in zip(tokens[place - 1 :], tokens[place:], strict=False):
+        if not depth and token.text in _CLOSING:
+            return before.end
+        depth = depth_behind(token, depth)
+    return tokens[-1].end
+
+
+def _tuples(tokens: list[Token], place: int) -> list[tuple[int, int]]:
+    """Return where each bracketed parameter begins and ends, behind a `lambda` or a `(`."""
+    found, depth = [], 0
+    for at in range(place + 1, len(tokens)):
+        text = tokens[at].text
+        if not depth and text in (")", ":", "]", "}"):
+            break
+        if not depth and text == "(" and (at == place + 1 or tokens[at - 1].text == ","):
+            found.append((at, _closing(tokens, at)))
+        depth = depth_behind(tokens[at], depth)
+    return found
+
+
+def _closing(tokens: list[Token], place: int) -> int:
+    """Return the place of the bracket that closes the one at `place`, or the last place."""
+    depth = 0
+    for at in range(place, len(tokens)):
+        depth = depth_behind(tokens[at], depth)
+        if not depth:
+            return at
+    return len(tokens) - 1
+
+
+def _is_single(tokens: list[Token]) -> bool:
+    return not any(token.text == "," for token in tokens)

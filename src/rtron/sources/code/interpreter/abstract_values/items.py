@@ -1,0 +1,114 @@
+"""What a loop over a value sees."""
+
+from collections.abc import Iterator
+
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    Choice,
+    ClassValue,
+    Hole,
+    Instance,
+    Known,
+    ListValue,
+    MapValue,
+    NativeClass,
+    Value,
+    is_tainted,
+    options,
+)
+
+_MAX_DEPTH = 4
+
+PAIR = NativeClass("std::pair")
+
+
+def items_of(value: Value) -> tuple[tuple[Value, ...], bool]:
+    """Return the items of a value, and whether these are all."""
+    if isinstance(value, Choice):
+        found = [items_of(option)[0] for option in options(value)]
+        return tuple(item for items in found for item in items), False
+    if isinstance(value, ListValue):
+        return value.items, not value.open
+    if isinstance(value, MapValue):
+        return _entries(value), not value.open
+    if isinstance(value, Instance):
+        return _of_instance(value)
+    if isinstance(value, ClassValue):
+        return tuple(_members(value)), True
+    return _of_plain(value)
+
+
+def is_record(type: object) -> bool:
+    """Tell whether a class is a namedtuple, whose objects have their items for fields."""
+    return isinstance(type, NativeClass) and "_asdict" in type.methods
+
+
+def pair(first: Value, second: Value) -> Instance:
+    """Return a std::pair."""
+    return Instance(PAIR, {"first": first, "second": second})
+
+
+def listed(items: "tuple[Value, ...] | list[Value]", kind: str = "list") -> ListValue:
+    """Return a list of just these items."""
+    return ListValue({"items": tuple(items)}, kind)
+
+
+def unpacked(value: Value, count: int) -> tuple[Value, ...]:
+    """Return a value taken apart into `count` variables."""
+    items, certain = items_of(value)
+    if certain and len(items) == count:
+        return items
+    return tuple(Hole(getattr(value, "why", "?")) for _ in range(count))
+
+
+def _of_instance(value: Instance) -> tuple[tuple[Value, ...], bool]:
+    if value.type is PAIR:
+        return (value.fields["first"], value.fields["second"]), True
+    if is_record(value.type):
+        return tuple(value.fields.values()), True
+    return (), False
+
+
+def _of_plain(value: Value) -> tuple[tuple[Value, ...], bool]:
+    """Return the letters of a text; None has no items, of others they are not known."""
+    if isinstance(value, Known) and isinstance(value.value, str):
+        return tuple(Known(letter, value.tainted) for letter in value.value), True
+    return (), value == Known(None)
+
+
+def _entries(value: MapValue) -> tuple[Value, ...]:
+    if value.pairs:
+        return tuple(pair(_key(key, entry), entry) for key, entry in value.entries.items())
+    return tuple(_key(key, entry) for key, entry in value.entries.items())
+
+
+def _key(key: object, entry: Value) -> Known:
+    """Return a map's key, marked as its entry is: both came out of the parameter server."""
+    return Known(key, _is_parameter(entry))
+
+
+def _is_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:
+    """Tell whether anything in a value, which may hold itself, is a parameter's."""
+    if isinstance(value, MapValue):
+        inner = tuple(value.entries.values())
+    elif isinstance(value, ListValue):
+        inner = value.items
+    else:
+        return is_tainted(value)
+    return depth > 0 and any(_is_parameter(item, depth - 1) for item in inner)
+
+
+def _members(cls: ClassValue) -> Iterator[Value]:
+    """Yield the members of an enumeration."""
+    for value in cls.fields.values():
+        if isinstance(value, Instance) and value.type is cls:
+            yield value
+
+
+def unpacked_around(value: Value, before: int, after: int) -> tuple[Value, ...]:
+    """Return a value taken apart into `before` variables, a list of the rest, and `after` more."""
+    items, certain = items_of(value)
+    if not certain or len(items) < before + after:
+        rest = ListValue({"items": (), "open": True})
+        return (*(Hole("?") for _ in range(before)), rest, *(Hole("?") for _ in range(after)))
+    end = len(items) - after
+    return (*items[:before], listed(items[before:end]), *items[end:])

@@ -1,0 +1,260 @@
+"""The names of a C++ program: all its files, and the headers they include, in one table."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from rtron.sources.code.interpreter.execution.source_provider import Files
+from rtron.sources.code.ir import Class, Declare, Function, Language, TypeRef, Unit
+
+MAX_FILES = 600
+NATIVE_FOLDERS = frozenset(
+    [
+        "ros",
+        "actionlib",
+        "bondcpp",
+        "diagnostic_updater",
+        "dynamic_reconfigure",
+        "image_transport",
+        "interactive_markers",
+        "message_filters",
+        "nodelet",
+        "nodelet_topic_tools",
+        "pluginlib",
+        "realtime_tools",
+        "tf",
+        "tf2_ros",
+        "camera_info_manager",
+        "rclcpp",
+        "rclcpp_action",
+        "rclcpp_components",
+        "rclcpp_lifecycle",
+        "behaviortree_cpp",
+        "behaviortree_cpp_v3",
+        "tf2",
+        "tf2_geometry_msgs",
+    ]
+)
+"""Headers of libraries that `natives` stand for: their own source is not run."""
+_MAX_ALIASES = 12
+
+
+@dataclass(eq=False, slots=True)
+class Symbols:
+    """Functions, classes, variables, aliases and enumerators, by their qualified names.
+
+    `everywhere` says that what another package defines is looked for in its sources when needed.
+    """
+
+    files: Files
+    sources: tuple[Path, ...] = ()
+    everywhere: bool = False
+    functions: dict[str, list[Function]] = field(default_factory=dict)
+    classes: dict[str, Class] = field(default_factory=dict)
+    variables: dict[str, tuple[Declare, str]] = field(default_factory=dict)
+    aliases: dict[str, TypeRef] = field(default_factory=dict)
+    enums: dict[str, int | None] = field(default_factory=dict)
+    usings: list[str] = field(default_factory=list)
+    exports: list[tuple[str, str]] = field(default_factory=list)
+    units: dict[Path, Unit] = field(default_factory=dict)
+    _plain: dict[str, list[Function]] = field(default_factory=dict)
+    _methods: dict[str, list[str]] = field(default_factory=dict)
+    _candidates: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
+    _followed: dict[tuple[TypeRef, str], TypeRef] = field(default_factory=dict)
+    _plainly: dict[tuple[str, str], TypeRef] = field(default_factory=dict)
+    _meant: dict[tuple[str, str], Class | None] = field(default_factory=dict)
+    _own: dict[str, bool] = field(default_factory=dict)
+    _ends: set[str] = field(default_factory=set)
+    version: int = 0
+    _sought: set[tuple[str, str]] = field(default_factory=set)
+
+    def load(self, path: Path) -> None:
+        """Take in a file and the headers it includes, headers first."""
+        if path in self.units or len(self.units) >= MAX_FILES:
+            return
+        unit = self.files.unit(path, Language.CPP)
+        self.units[path] = unit
+        for include in unit.includes:
+            if include.strip('<>"').partition("/")[0] in NATIVE_FOLDERS:
+                continue
+            header = self.files.header(include, path)
+            if header is not None:
+                self.load(header)
+        self._take(unit)
+
+    def seek(self, function: Function) -> bool:
+        """Take in the sources that may define a function which is only declared so far.
+
+        Those of its header's package; tell whether there are any.
+        """
+        owner, _, plain = function.name.rpartition("::")
+        word = owner.rpartition("::")[2] if owner in self.classes else plain
+        if not self.everywhere or (function.file, word) in self._sought:
+            return False
+        self._sought.add((function.file, word))
+        found = self.files.implementing(Path(function.file), word)
+        missing = [path for path in found if path not in self.units]
+        for path in missing:
+            self.load(path)
+        return bool(missing)
+
+    def named(self, plain: str) -> tuple[Function, ...]:
+        """Return the functions whose last part is a name."""
+        return tuple(self._plain.get(plain, ()))
+
+    def is_own(self, file: str) -> bool:
+        """Tell whether a file is one of the program's sources, or a header of its package."""
+        if file not in self._own:
+            path = Path(file)
+            self._own[file] = path in self.sources or any(
+                path.is_relative_to(folder)
+                for source in self.sources
+                for folder in source.parents[:2]
+            )
+        return self._own[file]
+
+    def is_end(self, name: str) -> bool:
+        """Tell whether anything's name ends as this one does: if not, it means nothing here."""
+        return name.rpartition("::")[2] in self._ends
+
+    def methods(self, cls: str) -> list[str]:
+        """Return the names of the methods defined for a class."""
+        return self._methods.get(cls, [])
+
+    def candidates(self, name: str, scope: str) -> tuple[str, ...]:
+        """Return the qualified names that a name may mean in a scope, nearest first."""
+        key = name, scope
+        if key not in self._candidates:
+            self._candidates[key] = tuple(dict.fromkeys(self._candidates_of(name, scope)))
+        return self._candidates[key]
+
+    def _candidates_of(self, name: str, scope: str) -> Iterator[str]:
+        if name.startswith("::"):
+            yield name[2:]
+            return
+        parts = scope.split("::") if scope else []
+        for depth in range(len(parts), -1, -1):
+            yield "::".join((*parts[:depth], name))
+        head = name.partition("::")[0]
+        for using in self.usings:
+            if using.endswith(head) and using.rpartition("::")[2] == head:
+                yield using + name[len(head) :]
+            yield f"{using}::{name}"
+
+    def type(self, type: TypeRef, scope: str) -> TypeRef:
+        """Return a type with its typedefs and namespace aliases followed."""
+        if not type.args:
+            return self._of_plain(type, scope)
+        key = type, scope
+        if key not in self._followed:
+            self._followed[key] = self._follow(type, scope)
+        return self._followed[key]
+
+    def _of_plain(self, type: TypeRef, scope: str) -> TypeRef:
+        """Return what a type without arguments means: a text is faster to look up than a type."""
+        key = type.name, scope
+        found = self._plainly.get(key)
+        if found is None:
+            found = self._plainly[key] = self._follow(type, scope)
+        return found
+
+    def _follow(self, type: TypeRef, scope: str) -> TypeRef:
+        for at in range(_MAX_ALIASES):
+            known = self._aliased(type, scope)
+            if known is None:
+                return self._full(type, scope) if at else type
+            type, scope = known
+        return type
+
+    def _full(self, type: TypeRef, scope: str) -> TypeRef:
+        """Return the type that an alias means by its full name, which holds in any scope."""
+        found = (name for name in self.candidates(type.name, scope) if name in self.classes)
+        name = next(found, None)
+        return type if name is None else TypeRef(name, type.args)
+
+    def class_named(self, name: str, scope: str) -> Class | None:
+        """Return the scanned class that a name means."""
+        key = name, scope
+        if key not in self._meant:
+            if not self.is_end(name):
+                return None
+            found = (self.classes.get(candidate) for candidate in self.candidates(name, scope))
+            self._meant[key] = next(filter(None, found), None)
+        return self._meant[key]
+
+    def _aliased(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
+        for candidate in self.candidates(type.name, scope) if self.is_end(type.name) else ():
+            if candidate in self.classes:
+                return None
+            found = self.aliases.get(candidate)
+            if found is not None and found != type:
+                inner = candidate.rpartition("::")[0]
+                return TypeRef(found.name, found.args or type.args), inner
+        return self._in_aliased_namespace(type, scope)
+
+    def _in_aliased_namespace(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
+        """`namespace mf = message_filters;`: `mf::Subscriber` is `message_filters::Subscriber`."""
+        head, _, rest = type.name.partition("::")
+        if not rest or head not in self._ends:
+            return None
+        for candidate in self.candidates(head, scope):
+            found = self.aliases.get(candidate)
+            if found is not None and found.name != head:
+                return TypeRef(f"{found.name}::{rest}", type.args), ""
+        return None
+
+    def _forget(self) -> None:
+        """Forget what names meant, since a file brings others."""
+        self.version += 1
+        for known in (self._followed, self._plainly, self._meant):
+            known.clear()
+
+    def _use(self, names: Iterable[str]) -> None:
+        new = [name for name in dict.fromkeys(names) if name not in self.usings]
+        if new:
+            self.usings.extend(new)
+            self._candidates.clear()
+
+    def _take(self, unit: Unit) -> None:
+        self._forget()
+        named = (*dict(unit.aliases), *dict(unit.enums), *(cls.name for cls in unit.classes))
+        self._ends.update(name.rpartition("::")[2] for name in named)
+        self.aliases.update(unit.aliases)
+        self.enums.update(unit.enums)
+        self._use(unit.usings)
+        for definition in unit.classes:
+            self.classes.setdefault(definition.name, definition)
+            for member in definition.fields:
+                if member.static:
+                    name = f"{definition.name}::{member.name}"
+                    self._take_variable(replace(member, name=name), unit.file)
+        self._forget()
+        for function in map(self._qualified, unit.functions):
+            self.functions.setdefault(function.name, []).append(function)
+            owner, _, plain = function.name.rpartition("::")
+            self._ends.add(plain)
+            self._plain.setdefault(plain, []).append(function)
+            if function.body is not None:
+                self._methods.setdefault(owner, []).append(plain)
+        for statement in unit.body:
+            if isinstance(statement, Declare):
+                self._take_variable(statement, unit.file)
+        self.exports.extend(unit.exports)
+
+    def _qualified(self, function: Function) -> Function:
+        """Return a function under its full name: `using namespace a; B::run() {}` is a::B::run."""
+        owner, _, plain = function.name.rpartition("::")
+        if not owner or owner in self.classes:
+            return function
+        definition = self.class_named(owner, "")
+        if definition is None:
+            return function
+        return replace(function, name=f"{definition.name}::{plain}")
+
+    def _take_variable(self, declared: Declare, file: str) -> None:
+        self._ends.add(declared.name.rpartition("::")[2])
+        known, first = self.variables.get(declared.name, (declared, file))
+        constant = known.constant and declared.constant
+        if known.value is None:
+            known, first = declared, file
+        self.variables[declared.name] = (replace(known, constant=constant), first)

@@ -1,0 +1,132 @@
+"""What differs between the languages, as the machine asks for it."""
+
+from collections.abc import Iterator, Mapping
+from typing import Protocol
+
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    FunctionValue,
+    Instance,
+    Value,
+)
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.source_provider import Files
+from rtron.sources.code.interpreter.execution.stack_frame import Frame, Place
+from rtron.sources.code.ir import (
+    Class,
+    Declare,
+    Define,
+    Function,
+    Import,
+    Lambda,
+    Name,
+    New,
+    TypeRef,
+)
+
+
+class World(Protocol):
+    """The names a program can see, and how its objects are made.
+
+    `by_reference` says that a call may write to what it is given (C++).
+    """
+
+    by_reference: bool
+    files: Files
+
+    def lookup(self, name: Name, frame: Frame) -> Value:
+        """Return what a name means; a Hole or Foreign where nobody knows."""
+        ...
+
+    def place(self, name: str, frame: Frame) -> Place:
+        """Return where a name is kept when it is assigned to."""
+        ...
+
+    def is_constant(self, name: str, frame: Frame) -> bool:
+        """Tell whether a name is of a constant: whoever is given it cannot change it."""
+        ...
+
+    def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
+        """Return a member of a value, bound to it; None where it has none of that name."""
+        ...
+
+    def new(self, node: New, frame: Frame) -> Value:
+        """Make an object (C++)."""
+        ...
+
+    def declare(self, node: Declare, frame: Frame) -> None:
+        """Make a variable (C++)."""
+        ...
+
+    def around(self, node: Lambda, frame: Frame) -> Frame:
+        """Return the frame that a lambda made in a frame stands in (C++)."""
+        ...
+
+    def define(self, node: Define, frame: Frame) -> None:
+        """Bind a function or class (Python)."""
+        ...
+
+    def import_(self, node: Import, frame: Frame) -> None:
+        """Bind what an import brings (Python)."""
+        ...
+
+    def frame(self, called: FunctionValue, arguments: Arguments) -> Frame:
+        """Return the frame that a call of a scanned function runs in, its parameters bound."""
+        ...
+
+    def instantiate(self, called: Value, arguments: Arguments) -> Value:
+        """Make an object of a scanned class."""
+        ...
+
+    def method_names(self, definition: Class) -> list[str]:
+        """Return the names of the methods that a class defines itself."""
+        ...
+
+    def lineage(self, cls: Value) -> Iterator[Value]:
+        """Yield a class and its bases, in the order in which a member is looked for."""
+        ...
+
+    def named(self, name: str) -> tuple[Function, ...]:
+        """Return the scanned functions with a plain name, in whatever class."""
+        ...
+
+    def size(self) -> int:
+        """Return a number that changes when the program's functions do."""
+        ...
+
+    def own_functions(self) -> Iterator[tuple[str, Function]]:
+        """Yield the functions of the program's own files, each with what it is called by."""
+        ...
+
+
+class Cpp(World, Protocol):
+    """What native functions of C++ ask besides."""
+
+    def make(self, type: TypeRef, arguments: Arguments) -> Value:
+        """Make an object of a type from values."""
+        ...
+
+    def default(
+        self, type: TypeRef | None, frame: Frame, *, pointer: bool = False, line: int = 0
+    ) -> Value:
+        """Return what a variable without an initialiser holds."""
+        ...
+
+    def message_in(self, type: TypeRef | None, scope: str, types: Mapping[str, TypeRef]) -> str:
+        """Return the message that a type means in a scope."""
+        ...
+
+    def types_of(self, called: FunctionValue) -> Mapping[str, TypeRef]:
+        """Return what a method's template parameters, and those of its class, mean."""
+        ...
+
+    def owned(self, called: FunctionValue, owner: Instance) -> FunctionValue:
+        """Return a method named by `&Class::method`, bound to an object of that class."""
+        ...
+
+    def taken_in(self, sources: tuple[object, ...], name: str) -> tuple[Function, ...]:
+        """Take in sources, and return the functions of a name that they define."""
+        ...
+
+    def plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
+        """Make the object of a plugin, its library's sources taken in first."""
+        ...

@@ -1,0 +1,41 @@
+"""Where interpreted code stands: its variables, and what surrounds them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from rtron.sources.code.interpreter.abstract_values.value_types import ClassValue, Value
+from rtron.sources.code.ir import Function, TypeRef
+
+
+class Place(NamedTuple):
+    """Where a value is kept: a frame's variables or an object's fields, and the key in them."""
+
+    holder: dict[Any, Any]
+    key: Any
+
+
+@dataclass(eq=False, slots=True, kw_only=True)
+class Frame:
+    """One call of a function, or the top of a file.
+
+    `closure` is the frame around a Python function. `aliases` are C++ references: names that
+    stand for a place of the caller; `constants` tells of C++ names whether nobody may write to
+    any of the variables that have it in this function. `types` binds template parameters. `scope`
+    is the C++ namespace or class that the code is written in. `caller` is the call that led here.
+    """
+
+    file: str
+    function: Function | None = None
+    variables: dict[Any, Any] = field(default_factory=dict)
+    closure: "Frame | None" = None
+    globals: set[str] = field(default_factory=set)
+    this: Value | None = None
+    cls: ClassValue | None = None
+    scope: str = ""
+    types: Mapping[str, TypeRef] = field(default_factory=dict)
+    aliases: dict[str, Place] = field(default_factory=dict)
+    constants: dict[str, bool] = field(default_factory=dict)
+    returns: list[Value] = field(default_factory=list)
+    yields: list[Value] = field(default_factory=list)
+    caller: Any = None

@@ -1,0 +1,116 @@
+"""Writes that can be taken back, so that both sides of an undecided branch see the same past."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from rtron.sources.code.interpreter.abstract_values.value_types import Value, join
+
+Writes: TypeAlias = dict[tuple[int, Any], tuple[dict[Any, Any], Any, Any]]
+
+MISSING = object()
+
+
+@dataclass(slots=True)
+class Trail:
+    """Every write to a frame's variables or an object's fields goes through `set`.
+
+    `elementwise` says that lists of one length, left by branches, are joined item by item.
+    """
+
+    elementwise: bool = False
+    _log: list[tuple[dict[Any, Any], Any, Any]] = field(default_factory=list)
+    _depth: int = 0
+
+    @property
+    def undecided(self) -> bool:
+        """Whether we are inside a branch that may not be taken."""
+        return self._depth > 0
+
+    def set(self, place: dict[Any, Any], key: Any, value: Any) -> None:  # noqa: ANN401 - any key
+        """Write a value where it can be taken back."""
+        if self._depth:
+            self._log.append((place, key, place.get(key, MISSING)))
+        place[key] = value
+
+    def open(self, place: dict[Any, Any]) -> None:
+        """Note that a list may hold more than its items."""
+        self.set(place, "open", value=True)
+
+    def remove(self, place: dict[Any, Any], key: Any) -> None:  # noqa: ANN401 - any key
+        """Take a key away where it can be put back."""
+        if self._depth:
+            self._log.append((place, key, place[key]))
+        del place[key]
+
+    def either(self, branches: Sequence[Callable[[], bool]], locals_: dict[Any, Any]) -> None:
+        """Run each branch from the same state, then let every place hold what any of them left.
+
+        A branch returns whether it goes on behind the branches; of one that does not, what it
+        wrote to `locals_` is forgotten.
+        """
+        results = [self.trial(branch) for branch in branches]
+        kept = [_kept(writes, locals_, goes_on=goes_on) for writes, goes_on in results]
+        written = {key: (place, name) for w in kept for key, (place, name, _) in w.items()}
+        for key, (place, name) in written.items():
+            before = place.get(name, MISSING)
+            after = [w[key][2] if key in w else before for w in kept]
+            found = [value for value in after if value is not MISSING]
+            if found:
+                self.set(place, name, _joined(found, elementwise=self.elementwise))
+            elif name in place:
+                self.remove(place, name)
+
+    def trial(self, branch: Callable[[], bool]) -> tuple[Writes, bool]:
+        """Run a branch and take its writes back; return them, and what the branch returned."""
+        mark = len(self._log)
+        self._depth += 1
+        try:
+            goes_on = branch()
+        finally:
+            self._depth -= 1
+            writes = self._undo(mark)
+        return writes, goes_on
+
+    def _undo(self, mark: int) -> Writes:
+        writes: Writes = {}
+        while len(self._log) > mark:
+            place, key, old = self._log.pop()
+            at = id(place), key
+            if at not in writes:
+                writes[at] = (place, key, place.get(key, MISSING))
+            if old is MISSING:
+                place.pop(key, None)
+            else:
+                place[key] = old
+        return writes
+
+
+def _kept(writes: Writes, locals_: dict[Any, Any], *, goes_on: bool) -> Writes:
+    if goes_on:
+        return writes
+    return {key: write for key, write in writes.items() if write[0] is not locals_}
+
+
+def _all_items(values: list[tuple[Any, ...]]) -> tuple[Any, ...]:
+    """Return the items of every branch, each once."""
+    longest = max(values, key=len)
+    others = (item for value in values if value is not longest for item in value)
+    return (
+        *longest,
+        *(item for item in others if not any(item is o or item == o for o in longest)),
+    )
+
+
+def _joined(values: list[Any], *, elementwise: bool) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag
+    first = values[0] if values else None
+    if all(value is first or value == first for value in values):
+        return first
+    if isinstance(first, tuple) and elementwise and len(set(map(len, values))) == 1:
+        return tuple(map(join, zip(*values, strict=True)))
+    if isinstance(first, tuple):
+        return _all_items(values)
+    if isinstance(first, bool):
+        return any(values)
+    wanted: list[Value] = values
+    return join(wanted)

@@ -1,0 +1,50 @@
+"""Python's order of items: `sorted` and `list.sort`."""
+
+from typing import Any
+
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    FALSE,
+    NONE,
+    Known,
+    ListValue,
+    Value,
+    truth,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.calls import dispatch
+
+Items = tuple[Value, ...]
+
+
+def in_order(machine: Machine, items: Items, arguments: Arguments) -> Items:
+    """Return items sorted by `key` and `reverse`; as they are where that cannot be known."""
+    keys = _keys(machine, items, arguments)
+    backwards = truth(arguments.keywords.get("reverse") or FALSE)
+    if backwards is None:
+        return items
+    try:
+        plain = [_plain(key) for key in keys]
+        order = sorted(range(len(items)), key=plain.__getitem__, reverse=backwards)
+    except TypeError:
+        return items
+    return tuple(items[place] for place in order)
+
+
+def _keys(machine: Machine, items: Items, at: Arguments) -> Items:
+    function = at.keywords.get("key", NONE)
+    if function == NONE:
+        return items
+    return tuple(
+        dispatch(machine, function, Arguments(values=(item,), line=at.line, frame=at.frame))
+        for item in items
+    )
+
+
+def _plain(key: Value) -> Any:  # noqa: ANN401
+    """Return what Python compares; a TypeError where it is not known."""
+    if isinstance(key, ListValue) and not key.open:
+        return tuple(_plain(item) for item in key.items)
+    if isinstance(key, Known):
+        return key.value
+    raise TypeError(key)

@@ -1,0 +1,167 @@
+"""`$(eval …)` as a closed grammar: literals, names, operators and a list of harmless functions.
+
+roslaunch hands the text to Python's own eval; here it is parsed and walked, so that a launch file
+cannot run anything. What lies outside the grammar is unresolvable, not an error: roslaunch may
+well know it. Every value on the way is bounded (ROS wiki: roslaunch/XML, substitution args).
+"""
+
+import ast
+from collections.abc import Callable, Mapping
+from functools import partial, singledispatchmethod
+
+from rtron.sources.launch.common.errors import UnresolvableError
+from rtron.sources.launch.common.expression_library import (
+    BINARY,
+    COMPARE,
+    CONSTANTS,
+    FUNCTIONS,
+    METHODS,
+    UNARY,
+    Function,
+    Value,
+    bounded,
+)
+
+_MAX_TEXT = 4096
+_WRONG = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+
+
+def evaluate(text: str, functions: Mapping[str, Function], argument: Callable[[str], Value]) -> str:
+    """Return the value of an expression as a string.
+
+    `functions` are those that the launch file's surroundings add (`arg`, `find`, …); `argument`
+    gives a launch argument and raises KeyError. Raise ValueError if roslaunch could not evaluate
+    it either, UnresolvableError if it lies outside the grammar.
+    """
+    return str(bounded(str(evaluate_with(Walk(functions, argument), text))))
+
+
+def evaluate_with(walk: "Walk", text: str) -> Value:
+    """Return the value of an expression, by the grammar of `walk`; raise as `evaluate` does."""
+    try:
+        return walk.value(_parsed(text))
+    except _WRONG as error:
+        raise ValueError(f"`{text[:80]}`: {error}") from None
+    except RecursionError:
+        raise UnresolvableError(f"`{text[:40]}…` is nested too deep") from None
+
+
+def typed(text: str) -> Value:
+    """Return an argument as an expression sees it: a float, an int, a bool, or the string."""
+    try:
+        if "." in text:
+            return float(text)
+        if "_" not in text:
+            return int(text)
+    except ValueError:
+        pass
+    return {"true": True, "false": False}.get(text.lower(), text)
+
+
+def _parsed(text: str) -> ast.expr:
+    if "__" in text:
+        raise ValueError("double underscores are not allowed")
+    if len(text) > _MAX_TEXT:
+        raise UnresolvableError(f"`{text[:40]}…` is too long")
+    try:
+        return ast.parse(text.strip(), mode="eval").body
+    except (SyntaxError, MemoryError) as error:
+        raise ValueError(str(error)) from None
+
+
+class Walk:
+    """Evaluates one parsed expression, a method a kind of node; a subclass may know more kinds."""
+
+    def __init__(self, functions: Mapping[str, Function], argument: Callable[[str], Value]) -> None:
+        self._functions = {**FUNCTIONS, **functions}
+        self._argument = argument
+
+    def value(self, node: ast.expr) -> Value:
+        """Return a node's value; raise UnresolvableError if it is outside the grammar or large."""
+        return bounded(self._value(node))
+
+    @singledispatchmethod
+    def _value(self, node: ast.expr) -> Value:
+        return self._unknown(node)
+
+    @_value.register
+    def _(self, node: ast.Constant) -> Value:
+        return node.value
+
+    @_value.register
+    def _(self, node: ast.Name) -> Value:
+        return CONSTANTS[node.id] if node.id in CONSTANTS else self._argument(node.id)
+
+    @_value.register
+    def _(self, node: ast.List) -> Value:
+        return [self.value(item) for item in node.elts]
+
+    @_value.register
+    def _(self, node: ast.Dict) -> Value:
+        keys = [self.value(key) if key else self._unknown(node) for key in node.keys]
+        return dict(zip(keys, map(self.value, node.values), strict=True))
+
+    @_value.register
+    def _(self, node: ast.Tuple) -> Value:
+        return tuple(self.value(item) for item in node.elts)
+
+    @_value.register
+    def _(self, node: ast.IfExp) -> Value:
+        return self.value(node.body if self.value(node.test) else node.orelse)
+
+    @_value.register
+    def _(self, node: ast.BoolOp) -> Value:
+        ends_on = isinstance(node.op, ast.Or)
+        for operand in node.values:
+            result = self.value(operand)
+            if bool(result) is ends_on:
+                break
+        return result
+
+    @_value.register
+    def _(self, node: ast.BinOp) -> Value:
+        function = BINARY.get(type(node.op)) or self._unknown(node)
+        return function(self.value(node.left), self.value(node.right))
+
+    @_value.register
+    def _(self, node: ast.UnaryOp) -> Value:
+        return UNARY[type(node.op)](self.value(node.operand))
+
+    @_value.register
+    def _(self, node: ast.Compare) -> Value:
+        left = self.value(node.left)
+        for operation, comparator in zip(node.ops, node.comparators, strict=True):
+            right = self.value(comparator)
+            if not COMPARE[type(operation)](left, right):
+                return False
+            left = right
+        return True
+
+    @_value.register
+    def _(self, node: ast.Subscript) -> Value:
+        return self.value(node.value)[self._index(node.slice)]
+
+    @_value.register
+    def _(self, node: ast.Call) -> Value:
+        function = self._function(node.func)
+        if node.keywords:
+            self._unknown(node)
+        return function(*(self.value(argument) for argument in node.args))
+
+    def _function(self, node: ast.expr) -> Function:
+        if isinstance(node, ast.Name) and node.id in self._functions:
+            return self._functions[node.id]
+        if isinstance(node, ast.Attribute) and node.attr in METHODS:
+            owner = self.value(node.value)
+            if isinstance(owner, str):
+                return partial(METHODS[node.attr], owner)
+        return self._unknown(node)
+
+    def _index(self, node: ast.expr) -> Value:
+        if not isinstance(node, ast.Slice):
+            return self.value(node)
+        parts = (node.lower, node.upper, node.step)
+        return slice(*(part and self.value(part) for part in parts))
+
+    def _unknown(self, node: ast.expr) -> Function:
+        raise UnresolvableError(f"`{ast.unparse(node)}` is not of the kind that is evaluated here")

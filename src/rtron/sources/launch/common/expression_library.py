@@ -1,0 +1,100 @@
+"""The operators, functions and methods that `$(eval …)` may use here, and how large values get."""
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from rtron.sources.launch.common.errors import UnresolvableError
+from rtron.sources.launch.common.formatting import format_braces, format_percent
+
+Value: TypeAlias = Any
+Function: TypeAlias = Callable[..., Value]
+
+MAX_LENGTH = 4096
+MAX_BITS = 1024
+_MAX_DIGITS = 100
+
+
+def bounded(value: Value) -> Value:
+    """Return a value as it is; raise UnresolvableError if it is too large to go on with."""
+    size = value.bit_length() if isinstance(value, int) else 0
+    length = len(value) if isinstance(value, (str, list, tuple)) else 0
+    if size > MAX_BITS or length > MAX_LENGTH:
+        raise UnresolvableError("an expression's value is too large")
+    return value
+
+
+def _multiply(left: Value, right: Value) -> Value:
+    for text, times in ((left, right), (right, left)):
+        if isinstance(text, (list, tuple)):
+            raise UnresolvableError("a repeated list")
+        if isinstance(text, str) and isinstance(times, int):
+            bounded("x" * min(len(text) * max(times, 0), MAX_LENGTH + 1))
+    return left * right
+
+
+def _power(base: Value, exponent: Value) -> Value:
+    if isinstance(base, int) and isinstance(exponent, int):
+        bounded(1 << min(base.bit_length() * max(exponent, 0), MAX_BITS))
+    return base**exponent
+
+
+def _modulo(left: Value, right: Value) -> Value:
+    return format_percent(left, right) if isinstance(left, str) else left % right
+
+
+def _round(number: Value, digits: int | None = None) -> Value:
+    if digits is not None and abs(digits) > _MAX_DIGITS:
+        raise UnresolvableError("round() to so many digits")
+    return round(number, digits)
+
+
+def _named(owner: Any, names: str) -> dict[str, Value]:  # noqa: ANN401 - a module or a class
+    return {name: getattr(owner, name) for name in names.split()}
+
+
+BINARY: Mapping[type[ast.operator], Function] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: _multiply,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: _modulo,
+    ast.Pow: _power,
+}
+UNARY: Mapping[type[ast.unaryop], Function] = {
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+    ast.Not: operator.not_,
+    ast.Invert: operator.invert,
+}
+COMPARE: Mapping[type[ast.cmpop], Function] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+    ast.In: lambda item, items: item in items,
+    ast.NotIn: lambda item, items: item not in items,
+}
+CONSTANTS: Mapping[str, Value] = {
+    "true": True,
+    "false": False,
+    **_named(math, "e inf nan pi tau"),
+}
+FUNCTIONS: Mapping[str, Function] = {
+    **{f.__name__: f for f in (abs, bool, float, int, len, list, max, min, sorted, str, sum)},
+    **_named(math, "acos asin atan atan2 ceil copysign cos degrees exp fabs floor fmod hypot"),
+    **_named(math, "isinf isnan log log10 pow radians sin sqrt tan trunc"),
+    "round": _round,
+}
+METHODS: Mapping[str, Function] = {
+    **_named(str, "capitalize count endswith find index isdigit join lower lstrip replace"),
+    **_named(str, "rstrip split startswith strip title upper"),
+    "format": format_braces,
+}

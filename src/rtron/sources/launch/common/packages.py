@@ -1,0 +1,69 @@
+"""Where packages lie, as `$(find …)` looks for them (ROS wiki: rospack)."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TypeAlias
+
+from rtron.errors import InputError
+from rtron.folders import walk
+from rtron.sources.launch.common.xml_document import parse_xml
+from rtron.vocabulary import Trust
+
+PackageIndex: TypeAlias = Mapping[str, Path]
+
+MAX_FOLDERS = 200_000
+
+_DEBIAN_SHARE = Path("/usr/share")
+_IGNORE = "CATKIN_IGNORE"
+_STOP = "rospack_nosubdirs"
+
+
+def find_packages(
+    folders: Iterable[Path], environ: Mapping[str, str] = os.environ
+) -> dict[str, Path]:
+    """Return the packages below `folders`, then ROS_PACKAGE_PATH, then Debian's; the first wins.
+
+    Links are followed, as rospack does; what cannot be listed, or lies too deep, is left out. Raise
+    InputError for a folder that has no end.
+    """
+    found: dict[str, Path] = {}
+    listed = [Path(entry) for entry in environ.get("ROS_PACKAGE_PATH", "").split(":") if entry]
+    for folder in (*folders, *listed):
+        for package in _below(folder.absolute()):
+            found.setdefault(package_name(package), package)
+    for manifest in sorted(_DEBIAN_SHARE.glob("*/package.xml")):
+        found.setdefault(package_name(manifest.parent), manifest.parent)
+    return found
+
+
+def package_name(package: Path) -> str:
+    """Return the name in a package's manifest, or its folder's where the manifest has none."""
+    try:
+        name = parse_xml(package / "package.xml").findtext("name")
+    except InputError:
+        name = None
+    return (name or package.name).strip()
+
+
+def package_trust(package: Path, folders: Iterable[Path]) -> Trust:
+    """Return how far a found package is trusted: its user's own if it lies below `folders`."""
+    ours = any(package.is_relative_to(folder.absolute()) for folder in folders)
+    return Trust.OWN if ours else Trust.THIRD_PARTY
+
+
+def _below(top: Path) -> Iterator[Path]:
+    """Yield the package folders below `top`; packages do not nest, and each folder counts once."""
+    seen: set[str] = set()
+    for folder, subfolders, files in walk(top, links=True):
+        if len(seen) == MAX_FOLDERS:
+            help = "does a link in it lead out of it?"
+            raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top), help=help)
+        real = os.path.realpath(folder)
+        is_package = "package.xml" in files or "manifest.xml" in files
+        if is_package and _IGNORE not in files and real not in seen:
+            yield Path(folder)
+        if is_package or real in seen or not {_IGNORE, _STOP}.isdisjoint(files):
+            subfolders.clear()
+        seen.add(real)
+        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))

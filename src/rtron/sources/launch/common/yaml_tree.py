@@ -1,0 +1,180 @@
+"""YAML as rosparam reads it: values with the lines of their keys (ROS wiki: rosparam, YAML format).
+
+No tag makes an object: what is not plain data becomes an UnknownValue and a fault. Size, depth
+and the values that aliases multiply are bounded.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import yaml
+
+from rtron.errors import InputError
+from rtron.sources.launch.common.yaml_scalars import scalar
+from rtron.vocabulary import ParameterValue, UnknownValue
+
+MAX_DEPTH = 100
+MAX_VALUES = 100_000
+
+_MAP = "tag:yaml.org,2002:map"
+_SEQUENCE = "tag:yaml.org,2002:seq"
+_MERGE = "tag:yaml.org,2002:merge"
+_STRINGS = frozenset({"tag:yaml.org,2002:str", "tag:yaml.org,2002:value"})
+
+_Loader: Any = type("_Loader", (getattr(yaml, "CSafeLoader", yaml.SafeLoader),), {})
+_Loader.add_implicit_resolver("!degrees", re.compile(r"^deg\([^\)]*\)$"), "d")
+_Loader.add_implicit_resolver("!radians", re.compile(r"^rad\([^\)]*\)$"), "r")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class YamlLeaf:
+    """A value that is no mapping, and the line of its key."""
+
+    value: ParameterValue
+    line: int
+
+
+YamlTree: TypeAlias = "YamlLeaf | dict[str, YamlTree]"
+YamlDocument: TypeAlias = "YamlTree | None"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class YamlText:
+    """The documents of a YAML text, None for an empty one, and what in them has no value."""
+
+    path: str
+    documents: tuple[YamlDocument, ...]
+    faults: tuple[InputError, ...] = ()
+
+
+def parse_yaml(text: str, path: str, first_line: int = 1) -> YamlText:
+    """Parse a YAML text that begins on `first_line` of a file.
+
+    Raise InputError, with the line, if it is no YAML or larger than the bounds.
+    """
+    builder = _Builder(path=path, first_line=first_line)
+    try:
+        _check_bounds(text)
+        roots = list(yaml.compose_all(text, Loader=_Loader))
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = first_line + mark.line if mark else first_line
+        raise InputError(f"not YAML: {error.problem}", path=path, line=line) from None
+    except (yaml.YAMLError, ValueError) as error:
+        why = str(error).partition("\n")[0]
+        raise InputError(f"not YAML: {why}", path=path, line=first_line) from None
+    documents = tuple(None if _is_empty(root) else builder.tree(root) for root in roots)
+    return YamlText(path=path, documents=documents, faults=tuple(builder.faults))
+
+
+def plain(tree: YamlTree) -> ParameterValue:
+    """Return a tree's value without its lines."""
+    if isinstance(tree, YamlLeaf):
+        return tree.value
+    return {key: plain(inner) for key, inner in tree.items()}
+
+
+def _check_bounds(text: str) -> None:
+    depth = 0
+    for count, event in enumerate(yaml.parse(text, Loader=_Loader)):
+        if count > 2 * MAX_VALUES:
+            raise ValueError(f"more than {MAX_VALUES} values")
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > MAX_DEPTH:
+            raise ValueError(f"more than {MAX_DEPTH} levels")
+
+
+def _is_empty(root: yaml.Node) -> bool:
+    return root.tag == "tag:yaml.org,2002:null"
+
+
+@dataclass(slots=True, kw_only=True)
+class _Builder:
+    """Makes values of YAML nodes; every node costs, however often an alias brings it again."""
+
+    path: str
+    first_line: int
+    faults: list[InputError] = field(default_factory=list)
+    _values: int = 0
+    _depth: int = 0
+
+    def tree(self, node: yaml.Node) -> YamlTree:
+        if isinstance(node, yaml.MappingNode) and node.tag == _MAP:
+            return self._mapping(node)
+        return YamlLeaf(value=self._value(node), line=self._line(node))
+
+    def _mapping(self, node: yaml.MappingNode) -> dict[str, YamlTree]:
+        self._enter(node)
+        found: dict[str, YamlTree] = {}
+        for key, inner in self._pairs(node):
+            name = self._key(key)
+            tree = self.tree(inner)
+            if name is not None:
+                found[name] = tree if isinstance(tree, dict) else self._at_key(tree, key)
+        self._depth -= 1
+        return found
+
+    def _at_key(self, leaf: YamlLeaf, key: yaml.Node) -> YamlLeaf:
+        return YamlLeaf(value=leaf.value, line=self._line(key))
+
+    def _value(self, node: yaml.Node) -> ParameterValue:
+        if isinstance(node, yaml.MappingNode) and node.tag == _MAP:
+            return plain(self._mapping(node))
+        if isinstance(node, yaml.SequenceNode) and node.tag == _SEQUENCE:
+            return self._list(node)
+        self._count(node)
+        try:
+            return scalar(node)
+        except ValueError as error:
+            return self._unknown(node, str(error))
+
+    def _list(self, node: yaml.SequenceNode) -> list[ParameterValue]:
+        self._enter(node)
+        values = [self._value(inner) for inner in node.value]
+        self._depth -= 1
+        return values
+
+    def _pairs(self, node: yaml.MappingNode) -> Iterator[tuple[yaml.Node, yaml.Node]]:
+        """Yield a mapping's entries, those that `<<` merges into it first."""
+        self._enter(node)
+        for key, value in node.value:
+            if key.tag == _MERGE:
+                for merged in self._merged(value):
+                    yield from self._pairs(merged)
+        yield from (pair for pair in node.value if pair[0].tag != _MERGE)
+        self._depth -= 1
+
+    def _merged(self, node: yaml.Node) -> list[yaml.MappingNode]:
+        nodes = reversed(node.value) if isinstance(node, yaml.SequenceNode) else [node]
+        mappings = [inner for inner in nodes if isinstance(inner, yaml.MappingNode)]
+        if not mappings:
+            self._unknown(node, "only a mapping can be merged")
+        return mappings
+
+    def _key(self, node: yaml.Node) -> str | None:
+        if isinstance(node, yaml.ScalarNode) and node.tag in _STRINGS:
+            return str(node.value)
+        self._unknown(node, "a parameter's name must be a string")
+        return None
+
+    def _unknown(self, node: yaml.Node, why: str) -> UnknownValue:
+        self.faults.append(InputError(why, path=self.path, line=self._line(node)))
+        return UnknownValue(why)
+
+    def _enter(self, node: yaml.Node) -> None:
+        self._count(node)
+        self._depth += 1
+        if self._depth > 2 * MAX_DEPTH:
+            raise InputError("is nested too deep", path=self.path, line=self._line(node))
+
+    def _count(self, node: yaml.Node) -> None:
+        self._values += 1
+        if self._values > MAX_VALUES:
+            why = f"has more than {MAX_VALUES} values, counting what aliases repeat"
+            raise InputError(why, path=self.path, line=self._line(node))
+
+    def _line(self, node: yaml.Node) -> int:
+        return self.first_line + int(node.start_mark.line)

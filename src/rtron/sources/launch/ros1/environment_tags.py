@@ -1,0 +1,78 @@
+"""`<env>` and `<machine>`: what the processes of nodes see, and where they run.
+
+ROS wiki: roslaunch/XML/env, roslaunch/XML/machine.
+"""
+
+from rtron.sources.launch.ros1.loader_context import Scope
+from rtron.sources.launch.ros1.tag import Tag
+from rtron.sources.launch.ros1.unresolved import Notes
+
+_OLD_ATTRIBUTES = ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
+_LOADING = frozenset({"LD_PRELOAD", "LD_LIBRARY_PATH", "PYTHONPATH"})
+_HARMLESS = frozenset(
+    [
+        "chrt",
+        "gdb",
+        "gnome-terminal",
+        "ionice",
+        "nice",
+        "screen",
+        "stdbuf",
+        "sudo",
+        "taskset",
+        "time",
+        "valgrind",
+        "xterm",
+    ]
+)
+_DEFAULTS = frozenset({"true", "false", "never"})
+
+
+def read_env(tag: Tag, scope: Scope, notes: Notes) -> None:
+    """Put an `<env>` in force in a scope, if it applies; raise InputError if it is none.
+
+    One that may bring other code into the process is noted.
+    """
+    if not tag.applies():
+        return
+    name = tag.required("name")
+    value = tag.optional("value")
+    if value is None:
+        tag.fault("has no 'value'")
+    scope.environ.append((name, value))
+    if name in _LOADING:
+        notes.add(tag, f"{name} may bring code into the process that is not looked at")
+
+
+def note_prefix(tag: Tag, notes: Notes) -> None:
+    """Note a `launch-prefix` that may run something else than the node."""
+    prefix = notes.text(tag, "launch-prefix")
+    words = prefix.split()
+    if words and words[0].rpartition("/")[2] not in _HARMLESS:
+        notes.add(tag, f"what its launch-prefix '{prefix}' runs is not looked at")
+
+
+def check_machine(tag: Tag) -> None:
+    """Check a `<machine>`, which changes no names; raise InputError as roslaunch does."""
+    old = [name for name in _OLD_ATTRIBUTES if tag.optional(name)]
+    if old or any(child.name == "env" for child in tag.children()):
+        tag.fault("sets an environment; use 'env-loader'")
+    for attribute in ("env-loader", "user", "password"):
+        tag.optional(attribute)
+    for attribute in ("name", "address"):
+        if tag.optional(attribute) is None:
+            tag.fault(f"has no '{attribute}'")
+    if (tag.optional("default") or "false").lower() not in _DEFAULTS:
+        tag.fault("default: is none of true, false, never")
+    _check_numbers(tag)
+
+
+def _check_numbers(tag: Tag) -> None:
+    timeout = tag.optional("timeout")
+    try:
+        int(tag.optional("ssh-port") or "22")
+        positive = timeout is None or float(timeout) > 0
+    except ValueError as error:
+        tag.fault(str(error))
+    if not positive:
+        tag.fault("timeout: is not positive")

@@ -1,0 +1,140 @@
+"""`$(…)` in a launch file's attributes (ROS wiki: roslaunch/XML, substitution args)."""
+
+import os.path
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
+from rtron.sources.launch.common.expression import evaluate, typed
+from rtron.sources.launch.common.expression_library import Function, Value
+from rtron.sources.launch.common.packages import PackageIndex
+
+Argument: TypeAlias = str | UnresolvableError
+"""An argument's value; one that cannot be resolved here is raised wherever it is used."""
+
+ANONYMOUS_MARK = "_rtron_anonymous"
+"""Stands for what roslaunch makes up in `$(anon id)`: legal in a name, and a `*` in the end."""
+
+_COMMAND = re.compile(r"\$\(([^()$]+)\)")
+_NESTED = re.compile(r"\$\([^()$]*[($]")
+_EVAL = re.compile(r"\$\(eval (.*)\)", re.DOTALL)
+_WORDS = frozenset({"anon", "arg", "dirname", "env", "find", "optenv"})
+_MAX_GROWTH = 64 * 1024
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Substitution:
+    """Replaces every `$(…)` in texts of one launch file; `folder` is what `$(dirname)` means."""
+
+    packages: PackageIndex
+    environ: Mapping[str, str]
+    folder: str
+    arguments: Mapping[str, Argument]
+
+    def replace(self, text: str) -> str:
+        """Return `text` with its substitutions made, `$(find …)` last as its path may use others.
+
+        Raise ValueError where roslaunch would refuse the text, MissingArgumentError for an
+        argument without a value, UnresolvableError for what this machine lacks.
+        """
+        expression = _EVAL.fullmatch(text)
+        if expression:
+            return evaluate(expression[1], self._functions(), self._typed)
+        limit = len(text) + _MAX_GROWTH
+        for command in _commands(text):
+            text = self._replace_command(text, command, limit)
+        for command in _commands(text):
+            if command.split()[0] == "find":
+                text = self._replace_find(text, command)
+        return text
+
+    def _replace_command(self, text: str, command: str, limit: int) -> str:
+        name, *words = command.split()
+        if name == "find":
+            return text
+        value = self._call(command, name, words)
+        written = f"$({command})"
+        if len(text) + text.count(written) * len(value) > limit:
+            raise UnresolvableError(f"{written} makes a text that is too long")
+        return text.replace(written, value)
+
+    def _call(self, command: str, name: str, words: list[str]) -> str:
+        if name == "dirname":
+            return self.folder
+        if name == "optenv" and words:
+            return self._optenv(words[0], " ".join(words[1:]))
+        if name == "optenv" or len(words) != 1:
+            raise ValueError(f"$({command}) takes one word")
+        calls: Mapping[str, Callable[[str], str]] = {
+            "anon": _anonymous,
+            "arg": self._argument,
+            "env": self._env,
+        }
+        return calls[name](words[0])
+
+    def _replace_find(self, text: str, command: str) -> str:
+        _, *words = command.split()
+        if len(words) != 1:
+            raise ValueError(f"$({command}) takes one word")
+        before, _, after = text.partition(f"$({command})")
+        path, space, rest = after.partition(" ")
+        inside = path.replace("\\", "/").removeprefix("/")
+        found = self._find(words[0])
+        return before + (os.path.join(found, inside) if inside else found) + space + rest  # noqa: PTH118
+
+    def _functions(self) -> Mapping[str, Function]:
+        return {
+            "anon": _anonymous,
+            "arg": lambda name: typed(self._argument(name)),
+            "dirname": lambda: self.folder,
+            "env": self._env,
+            "find": self._find,
+            "optenv": self._optenv,
+        }
+
+    def _argument(self, name: str) -> str:
+        if name not in self.arguments:
+            raise MissingArgumentError(name)
+        value = self.arguments[name]
+        if isinstance(value, UnresolvableError):
+            raise value
+        return value
+
+    def _typed(self, name: str) -> Value:
+        if name not in self.arguments:
+            raise ValueError(f"`{name}` is no argument")
+        return typed(self._argument(name))
+
+    def _env(self, name: str) -> str:
+        if name not in self.environ:
+            raise UnresolvableError(f"environment variable {name} is not set")
+        return self.environ[name]
+
+    def _optenv(self, name: str, default: str = "") -> str:
+        return self.environ.get(name, default)
+
+    def _find(self, package: str) -> str:
+        if package not in self.packages:
+            raise UnresolvableError(f"package '{package}' is not found")
+        return str(self.packages[package])
+
+
+def as_pattern(text: str) -> str:
+    """Return a text with a `*` where roslaunch makes up a part of a name."""
+    return text.replace(ANONYMOUS_MARK, "_*")
+
+
+def _anonymous(name: str) -> str:
+    return name + ANONYMOUS_MARK
+
+
+def _commands(text: str) -> list[str]:
+    if _NESTED.search(text):
+        raise ValueError(f"'{text}' has a substitution inside another")
+    commands: list[str] = _COMMAND.findall(text)
+    for command in commands:
+        if not _WORDS.intersection(command.split()[:1]):
+            raise ValueError(f"$({command}) is no substitution: {', '.join(sorted(_WORDS))}")
+    return commands

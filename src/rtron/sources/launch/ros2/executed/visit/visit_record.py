@@ -1,0 +1,48 @@
+"""What a visit has found so far, as the JSON that tells of it."""
+
+from dataclasses import asdict, dataclass, field
+from typing import Any, TypeAlias
+
+from .locations import Place
+
+Values: TypeAlias = dict[str, Any]
+
+_OPEN, _CLOSE = "\ue000", "\ue001"
+
+
+@dataclass
+class Found:
+    """`commands` are those that were not run: a mark with a number stands for what one prints."""
+
+    starts: list[Values] = field(default_factory=list)
+    arguments: list[Values] = field(default_factory=list)
+    includes: list[Values] = field(default_factory=list)
+    notes: list[Values] = field(default_factory=list)
+    commands: list[str] = field(default_factory=list)
+    error: Values | None = None
+    missing: str = ""
+
+    def mark(self, command: str) -> str:
+        """Return what stands for what a command would print."""
+        if command not in self.commands:
+            self.commands.append(command)
+        return f"{_OPEN}{self.commands.index(command)}{_CLOSE}"
+
+    def marked(self, text: str) -> str:
+        """Return the command whose mark stands in a text; empty for none."""
+        number = text.partition(_OPEN)[2].partition(_CLOSE)[0]
+        known = number.isdigit() and int(number) < len(self.commands)
+        return self.commands[int(number)] if known else ""
+
+    def note(self, why: str, place: Place) -> None:
+        """Keep what is not known."""
+        self.notes.append({"why": why, "place": placed(place)})
+
+    def document(self) -> Values:
+        """Return all that was found."""
+        return {"schema": "rtron.visit/1", **asdict(self)}
+
+
+def placed(place: Place) -> Values:
+    """Return a place as it is written down."""
+    return {"file": place[0], "line": place[1]}

@@ -1,0 +1,46 @@
+"""Which launch files of ROS 2 folders hold (docs.ros.org: launch file formats)."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.folders import walk
+from rtron.sources.bounded_file import read_bounded
+
+MAX_FOLDERS = 200_000
+MAX_BYTES = 2**20
+
+_ENDINGS = ("launch.xml", "launch.yaml", "launch.yml")
+_PYTHON = "launch.py"
+_DESCRIBES = b"generate_launch_description"
+_NOT_SEARCHED = frozenset({".git", ".hg", ".svn", "build", "install", "log"})
+
+
+def launch_files2(folders: Iterable[Path]) -> tuple[Path, ...]:
+    """Return the launch files of ROS 2 below folders, by path; links are not followed.
+
+    A Python file is one if it defines what launch calls, or names it and is called so. Raise
+    InputError for a folder without end.
+    """
+    return tuple(sorted({path for folder in folders for path in _below(folder.absolute())}))
+
+
+def _below(top: Path) -> Iterator[Path]:
+    for seen, (folder, subfolders, files) in enumerate(walk(top, lambda path, why: None)):
+        if seen == MAX_FOLDERS:
+            raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top))
+        subfolders[:] = [name for name in subfolders if name not in _NOT_SEARCHED]
+        yield from (path for name in files if _is_launch(path := Path(folder, name)))
+
+
+def _is_launch(path: Path) -> bool:
+    if path.name.endswith(_ENDINGS):
+        return True
+    if path.suffix != ".py" or not path.is_file():
+        return False
+    try:
+        text = read_bounded(path, MAX_BYTES)
+    except InputError:
+        return False
+    named = path.name.endswith(_PYTHON)
+    return (_DESCRIBES if named else b"def " + _DESCRIBES) in text

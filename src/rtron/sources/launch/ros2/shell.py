@@ -1,0 +1,95 @@
+"""The commands of a shell's line, read and never run.
+
+POSIX.1-2017, Shell Command Language: tokens, quoting, redirection, lists; bash(1): invocation.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from rtron.sources.launch.ros2.command_line import split_words
+
+_SHELLS = frozenset({"bash", "sh", "dash", "zsh"})
+_VALUED = ("o", "O", "--rcfile", "--init-file")
+"""How the options of a shell end that take a value."""
+
+_HOLE = "\ue000[^\ue000\ue001]*\ue001"
+_SINGLE = f"'(?:{_HOLE}|[^'\ue000])*'"
+_DOUBLE = f'"(?:{_HOLE}|\\\\.|[^"\\\\\ue000])*"'
+_PRINTED = r"\$\((?:[^()]|\([^()]*\))*\)|\$\(|`[^`]*`"
+_PART = f"{_HOLE}|\\\\.|{_SINGLE}|{_DOUBLE}|{_PRINTED}|[^\\s;&|()<>\\\\\ue000]|\\\\"
+_TOKEN = re.compile(
+    rf"\\\n|\#[^\n]*|<<-?(?!<)[ \t]*(?P<document>(?:{_PART})+)"
+    rf"|(?:\d+|&)?(?:<<<|<&|<>|>>|>&|>\||[<>])[ \t]*(?:{_PART})*"
+    rf"|(?P<between>[;&|()\n])|(?P<word>(?:{_PART})+)",
+    re.DOTALL,
+)
+_QUOTED = re.compile(f"({_HOLE})|\\\\(.)|({_SINGLE})|({_DOUBLE})", re.DOTALL)
+_ESCAPED = re.compile(r'\\([\\"$`\n])')
+
+
+def commands(words: Sequence[str], *, shell: bool) -> Iterator[tuple[str, ...]]:
+    """Yield the words of each command that a process runs; `shell` runs its line by a shell."""
+    if shell:
+        yield from _of_line(" ".join(words))
+    else:
+        yield from _of_command(tuple(split_words(words[0])) if len(words) == 1 else tuple(words))
+
+
+def _of_line(line: str) -> Iterator[tuple[str, ...]]:
+    for command in filter(None, _separated(line)):
+        yield from _of_command(command)
+
+
+def _of_command(command: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    """Yield a command, or those of the script that it gives to a shell (`bash -c SCRIPT`)."""
+    script = _script(command)
+    if script.strip():
+        yield from _of_line(script)
+    else:
+        yield command
+
+
+def _script(command: Sequence[str]) -> str:
+    """Return the script that a shell is given; empty for another command, or a file."""
+    if not command or Path(command[0]).name not in _SHELLS:
+        return ""
+    takes_script, words = False, iter(command[1:])
+    for word in words:
+        if not word.startswith("-"):
+            return word if takes_script else ""
+        takes_script = takes_script or (not word.startswith("--") and "c" in word)
+        if word.endswith(_VALUED):
+            next(words, "")
+    return ""
+
+
+def _separated(line: str) -> Iterator[tuple[str, ...]]:
+    """Yield the words of each command of a line, without redirections and comments.
+
+    A document inside the line may be a script: it ends what is known, as a command `<<`.
+    """
+    words: list[str] = []
+    for token in _TOKEN.finditer(line):
+        if token["word"]:
+            words.append(_unquoted(token["word"]))
+        elif token["between"]:
+            yield tuple(words)
+            words = []
+        elif token["document"]:
+            yield from (tuple(words), ("<<", token["document"]))
+            return
+    yield tuple(words)
+
+
+def _unquoted(word: str) -> str:
+    return _QUOTED.sub(_meant, word)
+
+
+def _meant(part: re.Match[str]) -> str:
+    hole, escaped, single, double = part.groups()
+    if hole or single:
+        return hole or single[1:-1]
+    if escaped:
+        return escaped.strip("\n")
+    return _ESCAPED.sub(lambda found: found[1].strip("\n"), double[1:-1])

@@ -1,0 +1,110 @@
+"""A YAML launch file of ROS 2, taken apart (docs.ros.org: launch file formats)."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from rtron.errors import InputError
+from rtron.folders import is_there
+from rtron.sources.bounded_file import read_bounded
+
+MAX_BYTES = 256 * 1024
+MAX_DEPTH = 60
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class YamlBody:
+    """What stands behind a key: its plain values, and the actions and parts in it."""
+
+    tag: str
+    attributes: Mapping[str, str]
+    children: tuple["YamlBody", ...]
+    place: int
+    line: int
+
+
+def yaml_body(path: str) -> YamlBody:
+    """Return a file's one root; raise InputError if it is not YAML, too large, or has aliases."""
+    if is_there(Path(path)) and not Path(path).is_file():
+        raise InputError("is no file", path=path, help="devices and pipes are not read")
+    try:
+        text = read_bounded(Path(path), MAX_BYTES).decode()
+        _refuse_unsafe(text, path)
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except UnicodeDecodeError:
+        raise InputError("not UTF-8 text", path=path) from None
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark else 0
+        raise InputError(f"not YAML: {error.problem}", path=path, line=line) from None
+    except (yaml.YAMLError, ValueError) as error:
+        raise InputError(f"not YAML: {error}", path=path) from None
+    if not isinstance(root, yaml.MappingNode) or len(root.value) != 1:
+        raise InputError("has not one root, `launch:`", path=path, line=1)
+    return next(_bodies([root], path))
+
+
+def _refuse_unsafe(text: str, path: str) -> None:
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        line = event.start_mark.line + 1 if event.start_mark else 0
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
+            help = "write out what they stand for: no two nodes can share their text"
+            raise InputError("has anchors and aliases", path=path, line=line, help=help)
+        if depth > MAX_DEPTH:
+            raise InputError(f"has more than {MAX_DEPTH} levels", path=path, line=line)
+
+
+def _bodies(items: list[yaml.Node], path: str) -> Iterator[YamlBody]:
+    """Yield the actions of a list, each a mapping of one key."""
+    for item in items:
+        if not isinstance(item, yaml.MappingNode) or len(item.value) != 1:
+            line = item.start_mark.line + 1
+            raise InputError("an action is a mapping of one key", path=path, line=line)
+        key, value = item.value[0]
+        yield _body(str(key.value), value, path)
+
+
+def _body(tag: str, value: yaml.Node, path: str) -> YamlBody:
+    entries = value.value if isinstance(value, yaml.MappingNode) else []
+    keys = [str(key.value) for key, _ in entries]
+    if len(set(keys)) < len(keys) or "<<" in keys:
+        line = value.start_mark.line + 1
+        raise InputError("says a key twice, or merges others in", path=path, line=line)
+    children: list[YamlBody] = []
+    if isinstance(value, yaml.SequenceNode):
+        children += _bodies(value.value, path)
+    for key, inner in entries:
+        if isinstance(inner, yaml.SequenceNode) and key.value == "children":
+            children += _bodies(inner.value, path)
+        elif isinstance(inner, yaml.SequenceNode):
+            children += (
+                _body(str(key.value), part, path)
+                for part in inner.value
+                if isinstance(part, yaml.MappingNode)
+            )
+    return YamlBody(
+        tag=tag,
+        attributes={
+            str(key.value): text for key, inner in entries if (text := _text(inner)) is not None
+        },
+        children=tuple(children),
+        place=value.start_mark.index,
+        line=value.start_mark.line + 1,
+    )
+
+
+def _text(node: yaml.Node) -> str | None:
+    """Return a plain value as it is written, a list of them as YAML; None for any other."""
+    if isinstance(node, yaml.ScalarNode):
+        return str(node.value)
+    if not isinstance(node, yaml.SequenceNode) or not node.value:
+        return None
+    if not all(isinstance(item, yaml.ScalarNode) for item in node.value):
+        return None
+    items = [f"{item.style or ''}{item.value}{item.style or ''}" for item in node.value]
+    return f"[{', '.join(items)}]"

@@ -1,0 +1,170 @@
+"""What an expression of a model may ask: parameters, arguments, plugin values, files.
+
+docs/models.md lists them; a function answers with a Hole where the answer is not known.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from itertools import takewhile
+
+from rtron.sources.models.common import arguments
+from rtron.sources.models.common.model_scope import Scope
+from rtron.sources.models.common.node_files import yaml_file
+from rtron.sources.models.common.values import Hole, Value, has_hole, hole, known, truth
+from rtron.sources.models.parameters2 import children, parameter
+from rtron.sources.models.ros1.rviz import rviz_publications, rviz_subscriptions
+from rtron.sources.models.ros2.rviz import (
+    rviz2_markers,
+    rviz2_panels,
+    rviz2_publications,
+    rviz2_subscriptions,
+)
+
+Function = Callable[..., Value]
+
+LATEST, LATEST2 = "noetic", "rolling"
+MAX_COUNTED = 100
+
+
+def functions(scope: Scope) -> dict[str, Function]:
+    """Return the functions an expression may call in a scope."""
+    args = scope.site.args
+    return {
+        **_PURE,
+        "param": partial(_param, scope),
+        "search": partial(_search, scope),
+        "counted": partial(_counted, scope),
+        "children": partial(children, scope),
+        "numbered": partial(_numbered, scope),
+        "value": partial(_value, scope),
+        "since": partial(_since, scope),
+        "model": partial(_model, scope),
+        "plugin_namespace": partial(_plugin_namespace, scope),
+        "robot_namespace": partial(_robot_namespace, scope),
+        "resolved": scope.resolve,
+        "remapped": scope.remapped,
+        "argument": partial(_argument, args),
+        "option": partial(_option, args),
+        "has_option": partial(arguments.has_option, args),
+        "positional": partial(arguments.positional, args),
+    }
+
+
+def _param(scope: Scope, name: str, default: Value = None) -> Value:
+    if scope.is_ros2:
+        return parameter(scope, name, default)
+    found = scope.site.parameters.get(scope.resolve(name))
+    return default if found is None else known(found.value, name)
+
+
+def _counted(scope: Scope, name: str) -> list[Value]:
+    """Return the values of `name0`, `name1`, … up to the first that is not set."""
+    values = (_param(scope, f"{name}{number}") for number in range(MAX_COUNTED))
+    return list(takewhile(lambda value: value is not None, values))
+
+
+def _numbered(scope: Scope, name: str) -> list[str]:
+    """Return `0`, `1`, … as long as a parameter of that name and number is set."""
+    numbers = map(str, range(MAX_COUNTED))
+    return list(takewhile(lambda number: _param(scope, name + number) is not None, numbers))
+
+
+def _search(scope: Scope, name: str, default: Value = None) -> Value:
+    place = scope.site.parameters.search(name, scope.private)
+    found = scope.site.parameters.get(place) if place else None
+    return default if found is None else known(found.value, name)
+
+
+def _value(scope: Scope, name: str, default: Value = None) -> Value:
+    """Return what a plugin's element holds, the first of its name (sdformat: GetElement)."""
+    tree: Value = scope.variables.get("values", {})
+    for part in name.split("/"):
+        tree = tree.get(part) if isinstance(tree, Mapping) else None
+    tree = tree[0] if isinstance(tree, list) else tree
+    if tree is None:
+        return default
+    return tree.strip() if isinstance(tree, str) and not isinstance(tree, Hole) else tree
+
+
+def _model(scope: Scope) -> str:
+    return scope.variables.get("model_name") or hole("model")
+
+
+def _plugin_namespace(scope: Scope) -> Value:
+    """Return the namespace of a model plugin (gazebo_ros_utils.h: GazeboRos)."""
+    return _value(scope, "robotNamespace") or _model(scope)
+
+
+def _robot_namespace(scope: Scope) -> Value:
+    """Return the namespace of a sensor plugin (gazebo_ros_utils.h: GetRobotNamespace)."""
+    namespace = _value(scope, "robotNamespace")
+    return "" if namespace is None else namespace or _model(scope)
+
+
+def _since(scope: Scope, distribution: str, unset: Value = None) -> Value:
+    known = dict(scope.site.environ).get("ROS_DISTRO")
+    if known is None and unset is not None:
+        return unset
+    return (known or (LATEST2 if scope.is_ros2 else LATEST)) >= distribution
+
+
+def _argument(args: Sequence[str], index: int, default: Value = None, valued: str = "") -> Value:
+    words = arguments.positional(args, valued)
+    return words[index] if index < len(words) else default
+
+
+def _option(args: Sequence[str], names: str, default: Value = None) -> Value:
+    value = arguments.option(args, names)
+    return default if value is None else value
+
+
+def _get(tree: Value, key: Value, default: Value = None) -> Value:
+    if has_hole(tree):
+        return hole(f"{tree}.{key}")
+    if isinstance(tree, Mapping):
+        return tree.get(key, default)
+    inside = isinstance(tree, (list, tuple)) and isinstance(key, int) and key < len(tree)
+    return tree[key] if inside else default
+
+
+def _split(text: Value) -> Value:
+    if isinstance(text, Hole):
+        return text
+    return text.split() if isinstance(text, str) else list(text or ())
+
+
+def _keys(tree: Value) -> Value:
+    if isinstance(tree, Hole):
+        return tree
+    return list(tree) if isinstance(tree, Mapping) else []
+
+
+def _items(tree: Value) -> Value:
+    if isinstance(tree, Hole):
+        return tree
+    return list(tree) if isinstance(tree, (list, tuple)) else []
+
+
+def _chosen(condition: Value, yes: Value, no: Value) -> Value:
+    return yes if truth(condition) else no
+
+
+_PURE: Mapping[str, Function] = {
+    "chosen": _chosen,
+    "get": _get,
+    "items": _items,
+    "keys": _keys,
+    "split": _split,
+    "truth": truth,
+    "unknown": hole,
+    "basename": lambda name: str(name).rpartition("/")[2],
+    "parent": lambda name: str(name).rpartition("/")[0],
+    "range": lambda first, last: list(range(first, min(last, 4096))),
+    "rviz_publications": rviz_publications,
+    "rviz_subscriptions": rviz_subscriptions,
+    "rviz2_markers": rviz2_markers,
+    "rviz2_panels": rviz2_panels,
+    "rviz2_publications": rviz2_publications,
+    "rviz2_subscriptions": rviz2_subscriptions,
+    "yaml_file": yaml_file,
+}

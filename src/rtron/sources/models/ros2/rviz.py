@@ -1,0 +1,104 @@
+"""What an rviz of ROS 2 shows and sends, from its configuration file (docs.ros.org: rviz2)."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rtron.sources.models.common.node_files import yaml_file
+from rtron.sources.models.common.values import Value, has_hole
+from rtron.sources.models.ros1.rviz import TOPIC_KEYS, TYPES, displays, manager, mappings
+
+_TOOLS = {
+    "SetInitialPose": ("initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
+    "SetGoal": ("goal_pose", "geometry_msgs/msg/PoseStamped"),
+    "PublishPoint": ("clicked_point", "geometry_msgs/msg/PointStamped"),
+}
+_DESCRIPTION, _MARKERS = "Description Topic", "Interactive Markers Namespace"
+_TOPIC_KEYS = (*TOPIC_KEYS, _DESCRIPTION, "Color Image Topic")
+_TYPES = {
+    "Update Topic": "map_msgs/msg/OccupancyGridUpdate",
+    _DESCRIPTION: "std_msgs/msg/String",
+}
+_WITH_INFO = {("Camera", "Topic"), ("DepthCloud", "Depth Map Topic")}
+"""The displays that hear `camera_info` beside the topic of this key too."""
+
+_ROS1, _PACKAGE = "rviz/", "rviz_default_plugins/"
+_OTHERS = {"nav2_rviz_plugins/ParticleCloud": "nav2_msgs/msg/ParticleCloud"}
+
+
+def rviz2_subscriptions(config: Value) -> list[dict[str, str]]:
+    """Return topic, type and qos of every enabled display of a configuration file."""
+    tree = manager(config)
+    if has_hole(tree):
+        return [{"topic": str(tree)}]
+    return [found for display in displays(tree.get("Displays")) for found in _shown(display)]
+
+
+def rviz2_publications(config: Value) -> list[dict[str, str]]:
+    """Return topic, type and qos of every tool of a configuration file that publishes."""
+    tree = manager(config)
+    tools = [] if has_hole(tree) else mappings(tree.get("Tools"))
+    if has_hole(tree) or not config:
+        tools = [{"Class": _PACKAGE + name} for name in _TOOLS]
+    return [sent for tool in tools for sent in _sent(tool)]
+
+
+def rviz2_markers(config: Value) -> list[str]:
+    """Return the namespaces of the enabled displays of interactive markers."""
+    tree = manager(config)
+    shown = () if has_hole(tree) else displays(tree.get("Displays"))
+    named = (display.get(_MARKERS) for display in shown)
+    return [name.rstrip("/") for name in named if isinstance(name, str) and name.strip("/")]
+
+
+def rviz2_panels(config: Value) -> list[str]:
+    """Return the classes of a configuration file's panels; none where the file is not known."""
+    tree = yaml_file(config) if config else {}
+    panels = mappings(tree.get("Panels")) if isinstance(tree, Mapping) else []
+    return [str(panel.get("Class", "")) for panel in panels]
+
+
+def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+    kind = str(display.get("Class", ""))
+    is_file = display.get("Description Source") == "File"
+    for key in _TOPIC_KEYS:
+        topic = display.get(key)
+        topic = topic if isinstance(topic, Mapping) else {"Value": topic}
+        name = topic.get("Value")
+        if not isinstance(name, str) or not name or (key == _DESCRIPTION and is_file):
+            continue
+        yield {"topic": name, "type": _TYPES.get(key, _type(kind)), "qos": _qos(topic)}
+        if (kind.removeprefix(_PACKAGE), key) in _WITH_INFO:
+            info = f"{name.rpartition('/')[0]}/camera_info"
+            yield {"topic": info, "type": "sensor_msgs/msg/CameraInfo", "qos": "5 best_effort"}
+
+
+def _type(kind: str) -> str:
+    if kind in _OTHERS:
+        return _OTHERS[kind]
+    package, _, name = TYPES.get(kind.replace(_PACKAGE, _ROS1, 1), "").partition("/")
+    return f"{package}/msg/{name}" if name else ""
+
+
+def _sent(tool: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+    kind = str(tool.get("Class", ""))
+    if kind.removeprefix(_PACKAGE) not in _TOOLS or not kind.startswith(_PACKAGE):
+        return
+    default, type = _TOOLS[kind.removeprefix(_PACKAGE)]
+    topic = tool.get("Topic")
+    topic = topic if isinstance(topic, Mapping) else {}
+    name = topic.get("Value")
+    yield {
+        "topic": name if isinstance(name, str) and name else default,
+        "type": type,
+        "qos": _qos(topic),
+    }
+
+
+def _qos(topic: Mapping[str, Any]) -> str:
+    """Return the quality of service in the words of models."""
+    reliable = topic.get("Reliability Policy", "Reliable") != "Best Effort"
+    keeps = topic.get("Durability Policy", "Volatile") == "Transient Local"
+    depth = topic.get("Depth", 5)
+    words = [str(depth) if isinstance(depth, int) and depth >= 0 else "5"]
+    words += [] if reliable else ["best_effort"]
+    return " ".join([*words, "transient_local"] if keeps else words)

@@ -1,0 +1,257 @@
+"""The packages of a workspace: programs, plugins, headers and modules, found without a build."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.launch.common.packages import PackageIndex, find_packages, package_trust
+from rtron.sources.workspace.cmake.evaluator import evaluate
+from rtron.sources.workspace.entry_points import entry_points
+from rtron.sources.workspace.headers import find_header, folders_by_entry
+from rtron.sources.workspace.manifest import Export, Manifest, read_manifest
+from rtron.sources.workspace.messages import message_names
+from rtron.sources.workspace.package_contents import PackageContents, Target, TargetKind
+from rtron.sources.workspace.package_files import PackageFiles, is_inside, list_files
+from rtron.sources.workspace.plugin_description import (
+    Plugin,
+    PluginClass,
+    library_name,
+    read_plugins,
+)
+from rtron.sources.workspace.program import Language, Program
+from rtron.sources.workspace.program_builder import script_program, target_program
+from rtron.sources.workspace.python_package import module_file, module_folder
+from rtron.sources.workspace.scripts import find_script
+from rtron.vocabulary import Evidence, Trust, Unresolved
+
+NODELET = "nodelet"
+
+
+class Workspace:
+    """Packages by name; each is looked into when it is first asked for, and then remembered.
+
+    Files count only inside the packages and the folders they were looked for in, links followed.
+    `folders` are those that the user gave: what lies there is the user's own.
+    """
+
+    def __init__(self, packages: PackageIndex, folders: Iterable[Path] = ()) -> None:
+        self.packages = dict(packages)
+        self.folders = tuple(folder.absolute() for folder in folders)
+        self._roots = tuple(folder.resolve() for folder in self.folders)
+        self._contents: dict[str, PackageContents] = {}
+        self._files: dict[str, PackageFiles] = {}
+        self._manifests: dict[str, Manifest] = {}
+        self._headers: dict[tuple[str, Path], Path | None] = {}
+        self._messages: dict[str, frozenset[str]] = {}
+        self._of_folder: dict[Path, str | None] = {}
+        self._entries: dict[str, Mapping[str, tuple[str, str]]] = {}
+        self._faults: list[Unresolved] = []
+
+    def trust(self, package: str) -> Trust:
+        """Return how far a package is trusted; unknown if it is not found."""
+        path = self.packages.get(package)
+        return Trust.UNKNOWN if path is None else package_trust(path, self.folders)
+
+    def contents(self, package: str) -> PackageContents | None:
+        """Return what a package builds and installs; None if it is not found."""
+        if package not in self.packages:
+            return None
+        if package not in self._contents:
+            self._contents[package] = evaluate(package, self.files(package))
+        return self._contents[package]
+
+    def files(self, package: str) -> PackageFiles:
+        """Return the files of a package that is in `packages`; raise KeyError for another."""
+        if package not in self._files:
+            self._files[package] = list_files(self.packages[package], self._roots)
+        return self._files[package]
+
+    def manifest(self, package: str) -> Manifest:
+        """Return the manifest of a package that is in `packages`; raise KeyError for another."""
+        if package not in self._manifests:
+            self._manifests[package] = read_manifest(self.packages[package])
+        return self._manifests[package]
+
+    def executable(self, package: str, type: str) -> Program | None:
+        """Return what `<node pkg=… type=…>` runs: a target of this name, else a script."""
+        contents = self.contents(package)
+        if contents is None:
+            return None
+        target = contents.target(type, TargetKind.EXECUTABLE)
+        if target is not None:
+            return self._program(target, contents)
+        made = next((c for c in contents.components if c.executable == type), None)
+        if made is not None:
+            return self.component(package, made.cls)
+        entry = self.entry_points(package).get(type)
+        if entry is not None:
+            return self._entered(package, *entry)
+        script = find_script(type, contents, self.files(package))
+        if script is None:
+            return None
+        return script_program(script, contents, self.manifest(package), self.packages.keys())
+
+    def component(self, package: str, cls: str) -> Program | None:
+        """Return the library that holds a component's class, with that class as `entry` (ROS 2)."""
+        contents = self.contents(package)
+        found = next((c for c in contents.components if c.cls == cls), None) if contents else None
+        if contents is None or found is None:
+            return None
+        target = contents.target(found.library, TargetKind.LIBRARY)
+        return replace(self._program(target, contents), entry=cls) if target else None
+
+    def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:
+        """Return the module and function of each program that a Python package installs."""
+        if package not in self._entries:
+            self._entries[package] = entry_points(self.packages[package])
+        return self._entries[package]
+
+    def _entered(self, package: str, module: str, function: str) -> Program | None:
+        path = module_file(self._modules[package], module)
+        contents = self.contents(package)
+        if path is None or contents is None or not is_inside(path, self._inside):
+            return None
+        made = script_program(path, contents, self.manifest(package), self.packages.keys())
+        return replace(made, language=Language.PYTHON, entry=function)
+
+    def library(self, filename: str, package: str = "") -> Program | None:
+        """Return the library of a file name (`libx.so`, `lib/libx`, `x`), `package`'s first."""
+        name = library_name(filename)
+        contents = self.contents(package)
+        target = contents and contents.target(name, TargetKind.LIBRARY)
+        if contents and target:
+            return self._program(target, contents)
+        owner, found = self._libraries.get(name, (None, None))
+        return self._program(found, owner) if owner and found else None
+
+    def nodelet(self, class_name: str) -> Plugin | None:
+        """Return the nodelet of a name or type, as `nodelet load` takes it."""
+        return self.plugin(class_name, NODELET)
+
+    def plugin(self, name: str, base: str) -> Plugin | None:
+        """Return the plugin of a name or type; `base` is its base class or the package of that."""
+        ours = self.plugins(base)
+        named = chain((p for p in ours if p.name == name), (p for p in ours if p.type == name))
+        declared = next(named, None)
+        if declared is None:
+            return None
+        program = self.library(declared.library, declared.package)
+        return Plugin(declared=declared, program=program)
+
+    def plugins(self, base: str) -> tuple[PluginClass, ...]:
+        """Return all plugins of a base class, or of the package that they are exported for."""
+        return tuple(found for found in self._classes if base in {found.tag, found.base})
+
+    def header(self, text: str, from_file: Path) -> Path | None:
+        """Return the file that `#include` means in a file; None for one that is not ours."""
+        key = (text, from_file.parent)
+        if key not in self._headers:
+            path = find_header(text, self._header_folders(text, from_file))
+            self._headers[key] = path if path and is_inside(path, self._inside) else None
+        return self._headers[key]
+
+    def python_module(self, dotted: str, from_package: str, from_file: Path) -> Path | None:
+        """Return the file of a module as a script imports it: its folder first, then packages."""
+        ours = [self._modules[from_package]] if from_package in self._modules else []
+        others = self._module_tops.get(dotted.partition(".")[0], ())
+        found = (module_file(folder, dotted) for folder in (from_file.parent, *ours, *others))
+        path = next(filter(None, found), None)
+        return path if path and is_inside(path, self._inside) else None
+
+    def messages(self, package: str) -> frozenset[str]:
+        """Return the names that a package's message files bring; none if it is not found."""
+        if package in self.packages and package not in self._messages:
+            self._messages[package] = message_names(self.files(package))
+        return self._messages.get(package, frozenset())
+
+    def package_of(self, path: Path) -> str | None:
+        """Return the package that a file lies in."""
+        folder = path.parent
+        if folder not in self._of_folder:
+            found = (self._names.get(parent) for parent in path.parents)
+            self._of_folder[folder] = next(filter(None, found), None)
+        return self._of_folder[folder]
+
+    def unresolved(self) -> tuple[Unresolved, ...]:
+        """Return what could not be resolved in the packages and descriptions read so far."""
+        noted = (contents.unresolved for contents in self._contents.values())
+        manifests = (manifest.unresolved for manifest in self._manifests.values())
+        return (*chain.from_iterable(noted), *chain.from_iterable(manifests), *self._faults)
+
+    def _program(self, target: Target, contents: PackageContents) -> Program:
+        manifest = self.manifest(contents.name)
+        return target_program(target, contents, manifest, self.packages.keys())
+
+    def _header_folders(self, text: str, from_file: Path) -> list[Path]:
+        contents = self.contents(self.package_of(from_file) or "")
+        ours = (*contents.include_dirs, contents.path / "include") if contents else ()
+        return [from_file.parent, *ours, *self._include_tops.get(text.partition("/")[0], ())]
+
+    @cached_property
+    def _names(self) -> Mapping[Path, str]:
+        return {path: name for name, path in self.packages.items()}
+
+    @cached_property
+    def _inside(self) -> tuple[Path, ...]:
+        outside = (path.resolve() for path in self.packages.values())
+        return (*self._roots, *(p for p in outside if not is_inside(p, self._roots)))
+
+    @cached_property
+    def _include_tops(self) -> Mapping[str, tuple[Path, ...]]:
+        return folders_by_entry(path / "include" for path in self.packages.values())
+
+    @cached_property
+    def _modules(self) -> Mapping[str, Path]:
+        return {name: module_folder(path, name) for name, path in self.packages.items()}
+
+    @cached_property
+    def _module_tops(self) -> Mapping[str, tuple[Path, ...]]:
+        return folders_by_entry(dict.fromkeys(self._modules.values()))
+
+    @cached_property
+    def _libraries(self) -> Mapping[str, tuple[PackageContents, Target]]:
+        found: dict[str, tuple[PackageContents, Target]] = {}
+        for contents in filter(None, map(self.contents, self.packages)):
+            for target in contents.targets:
+                if target.kind is TargetKind.LIBRARY:
+                    found.setdefault(library_name(target.output), (contents, target))
+        return found
+
+    @cached_property
+    def _classes(self) -> tuple[PluginClass, ...]:
+        return tuple(
+            found
+            for package in self.packages
+            for export in (*self.manifest(package).exports, *self._exported(package))
+            for found in self._described(export, package)
+        )
+
+    def _exported(self, package: str) -> Iterator[Export]:
+        """Yield the descriptions of plugins that a package's CMake files export (ROS 2)."""
+        contents = self.contents(package)
+        for tag, path in contents.exports if contents else ():
+            yield Export(tag=tag, path=path)
+
+    def _described(self, export: Export, package: str) -> Iterator[PluginClass]:
+        try:
+            yield from read_plugins(self._checked(export.path), package, export.tag)
+        except InputError as error:
+            place = Evidence(file=str(export.path), line=error.line)
+            self._faults.append(
+                Unresolved(what=export.path.name, why=str(error), evidence=(place,))
+            )
+
+    def _checked(self, path: Path) -> Path:
+        if not is_inside(path, self._inside):
+            raise InputError("is not there, or not in a package", path=str(path))
+        return path
+
+
+def read_workspace(folders: Iterable[Path], environ: Mapping[str, str] = os.environ) -> Workspace:
+    """Return the workspace of some folders, ROS_PACKAGE_PATH and Debian's packages."""
+    given = tuple(folders)
+    return Workspace(find_packages(given, environ), given)

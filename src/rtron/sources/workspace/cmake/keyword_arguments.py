@@ -1,0 +1,81 @@
+"""The arguments of a function by their keywords (CMake's manual, cmake_parse_arguments)."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from rtron.sources.workspace.cmake.command_call import Call, Scope
+from rtron.sources.workspace.cmake.values import Item, Value, split
+from rtron.sources.workspace.cmake.variables import Handler
+
+_HEAD = 4
+"""The prefix, and the options, keywords of one value and keywords of several."""
+
+
+@dataclass(slots=True)
+class _Parsed:
+    """What stands behind each keyword, and what behind none."""
+
+    options: dict[str, bool]
+    one: dict[str, Item | None]
+    several: dict[str, list[Item]]
+    rest: list[Item] = field(default_factory=list)
+
+    def read(self, items: Iterable[Item]) -> None:
+        """Take the arguments; one for a single value that has its value is behind none."""
+        current = ""
+        for item in items:
+            if item.text in self.options:
+                self.options[item.text] = True
+                current = ""
+            elif item.text in self.one or item.text in self.several:
+                current = item.text
+            elif current in self.several:
+                self.several[current].append(item)
+            elif current:
+                self.one[current] = item
+                current = ""
+            else:
+                self.rest.append(item)
+
+
+def parse_arguments(call: Call) -> None:
+    """Carry out `cmake_parse_arguments`, also in its form for the caller's own arguments."""
+    own = call.items[:1] and call.items[0].text == "PARSE_ARGV"
+    head = call.items[2:] if own else call.items
+    if len(head) < _HEAD:
+        return
+    given = _arguments(call) if own else head[_HEAD:]
+    options, one, several = (split(item.text) for item in head[1:_HEAD])
+    parsed = _Parsed(dict.fromkeys(options, False), dict.fromkeys(one), {w: [] for w in several})
+    parsed.read(given)
+    for name, (text, known) in _results(parsed, _alone(call.scope)).items():
+        call.set(f"{head[0].text}_{name}", text, known=known)
+
+
+def _results(parsed: _Parsed, alone: Mapping[str, bool]) -> dict[str, tuple[str, bool]]:
+    lists = {**parsed.several, "UNPARSED_ARGUMENTS": parsed.rest}
+    lists.update((name, [item] if item else []) for name, item in parsed.one.items())
+    flags = {name: (str(found).upper(), True) for name, found in parsed.options.items()}
+    return {**flags, **{name: _listed(items, alone) for name, items in lists.items()}}
+
+
+def _listed(items: Sequence[Item], alone: Mapping[str, bool]) -> tuple[str, bool]:
+    known = all(item.known or alone.get(item.text, False) for item in items)
+    return ";".join(item.text for item in items), known
+
+
+def _alone(scope: Scope) -> dict[str, bool]:
+    """Return which arguments are known by themselves: of the list of all only all may be."""
+    values = (scope.variables.get(f"ARGV{place}") for place in range(32))
+    return {value.text: value.known for value in values if value is not None}
+
+
+def _arguments(call: Call) -> list[Item]:
+    """Return the caller's own arguments, from the place that is given."""
+    start = call.items[1].text if call.items[1:] else ""
+    value = call.scope.variables.get("ARGV", Value(""))
+    found = [Item(text=text, known=value.known) for text in split(value.text)]
+    return found[int(start) :] if start.isdecimal() and len(start) < 3 else found  # noqa: PLR2004
+
+
+PARSING_COMMANDS: Mapping[str, Handler] = {"cmake_parse_arguments": parse_arguments}

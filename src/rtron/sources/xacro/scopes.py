@@ -1,0 +1,114 @@
+"""Properties by name: a scope for the file, one within for each macro that is expanded.
+
+A property's text is evaluated at its first use, in the scope where it is defined (ROS wiki: xacro,
+property; a namespace is a scope with a name).
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from rtron.sources.launch.common.expression_library import Value
+
+Evaluate: TypeAlias = Callable[[str, "Scope"], Value]
+
+_BOOLEANS = {"true": True, "True": True, "false": False, "False": False}
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Scope:
+    """Names and their values; what is not here is looked for in `parent`."""
+
+    parent: "Scope | None" = None
+    is_namespace: bool = False
+    values: dict[str, Value] = field(default_factory=dict)
+    lazy: set[str] = field(default_factory=set)
+    _resolving: list[str] = field(default_factory=list)
+
+    def set(self, name: str, value: Value, *, lazy: bool) -> None:
+        """Give a name its value; a text that is no literal waits for its first use if `lazy`."""
+        self.values[name] = literal(value)
+        if lazy and isinstance(self.values[name], str):
+            self.lazy.add(name)
+        else:
+            self.lazy.discard(name)
+
+    def get(self, name: str, evaluate: Evaluate) -> Value:
+        """Return a value; raise KeyError if there is none, ValueError if it needs itself."""
+        for scope in self.chain():
+            if name in scope.values:
+                return scope._resolved(name, evaluate)  # noqa: SLF001 - one of us
+        raise KeyError(name)
+
+    def __contains__(self, name: str) -> bool:
+        return any(name in scope.values for scope in self.chain())
+
+    def remove(self, name: str) -> None:
+        """Take a name out of this scope and those around it."""
+        for scope in self.chain():
+            scope.values.pop(name, None)
+            scope.lazy.discard(name)
+
+    def chain(self) -> "Iterator[Scope]":
+        """Yield this scope and those around it, innermost first."""
+        scope: Scope | None = self
+        while scope is not None:
+            yield scope
+            scope = scope.parent
+
+    def caller(self) -> "Scope | None":
+        """Return the scope that `scope="parent"` means; None at the top."""
+        scope = self.parent
+        while scope is not None and scope.is_namespace and not self.is_namespace:
+            scope = scope.parent
+        return scope
+
+    def _resolved(self, name: str, evaluate: Evaluate) -> Value:
+        if name in self.lazy:
+            if name in self._resolving:
+                raise ValueError("circular property: " + " -> ".join((*self._resolving, name)))
+            self._resolving.append(name)
+            try:
+                self.values[name] = literal(evaluate(self.values[name], self))
+            finally:
+                self._resolving.remove(name)
+            self.lazy.discard(name)
+        return self.values[name]
+
+
+@dataclass(frozen=True, slots=True)
+class Namespace:
+    """An included file's scope as an expression sees it: `namespace.property`."""
+
+    scope: Scope
+    evaluate: Evaluate
+
+    def __getitem__(self, name: str) -> Value:
+        return self.scope.get(name, self.evaluate)
+
+
+def literal(value: Value) -> Value:
+    """Return a number or truth that a text spells, without the quotes of a quoted text."""
+    if not isinstance(value, str):
+        return value
+    if len(value) > 1 and value[0] == value[-1] == "'":
+        return value[1:-1]
+    if "_" in value:
+        return value
+    number = _number(value, int)
+    number = _number(value, float) if number is None else number
+    return _BOOLEANS.get(value, value) if number is None else number
+
+
+def truth(value: Value) -> bool:
+    """Return what a condition's value says; raise ValueError if it says neither."""
+    if isinstance(value, str):
+        return _BOOLEANS[value] if value in _BOOLEANS else bool(int(value))
+    return bool(value)
+
+
+def _number(text: str, kind: type[int] | type[float]) -> int | float | None:
+    try:
+        return kind(text)
+    except ValueError:
+        return None

@@ -1,0 +1,135 @@
+"""An XML element of a robot description, with the file and line that it was written at."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+from xml.sax.saxutils import escape, quoteattr
+
+from rtron.errors import InputError
+from rtron.sources.launch.common.xml_document import (
+    MAX_BYTES,
+    Element,
+    line_of,
+    parse_xml,
+    parse_xml_bytes,
+)
+from rtron.vocabulary import Evidence
+
+XMLNS = "xmlns:"
+
+_DECLARATION = re.compile(rb"^\s*<\?xml[^>]*\?>")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XmlElement:
+    """One element: its name as written with its prefix, and its texts and elements in order."""
+
+    tag: str
+    evidence: Evidence
+    attributes: Mapping[str, str] = field(default_factory=dict)
+    children: "tuple[XmlNode, ...]" = ()
+
+    @property
+    def text(self) -> str:
+        """What stands directly in the element, stripped."""
+        return "".join(child for child in self.children if isinstance(child, str)).strip()
+
+    def elements(self, tag: str = "") -> "Iterator[XmlElement]":
+        """Yield the elements directly within, all or those named `tag`."""
+        for child in self.children:
+            if isinstance(child, XmlElement) and tag in {"", child.tag}:
+                yield child
+
+    def find(self, tag: str) -> "XmlElement | None":
+        """Return the first element named `tag` directly within."""
+        return next(self.elements(tag), None)
+
+    def walk(self) -> "Iterator[XmlElement]":
+        """Yield this element and all below, in document order."""
+        waiting = [self]
+        while waiting:
+            element = waiting.pop()
+            yield element
+            waiting.extend(reversed(list(element.elements())))
+
+
+XmlNode: TypeAlias = XmlElement | str
+
+
+def read_element(path: Path) -> XmlElement:
+    """Return a file's root element, with the namespaces in it declared there.
+
+    Raise InputError if it is no XML, too large, nested too deep, or has a document type.
+    """
+    return _rooted(parse_xml(path), str(path))
+
+
+def parse_element(text: str, path: str) -> XmlElement:
+    """Return the root element of a text that was read from `path`; raise as `read_element`."""
+    data = text.encode(errors="replace")
+    if len(data) > MAX_BYTES:
+        raise InputError("a description is too large", path=path)
+    return _rooted(parse_xml_bytes(_DECLARATION.sub(b"", data), path), path)
+
+
+def _rooted(source: Element, path: str) -> XmlElement:
+    try:
+        root = _converted(source, path)
+    except RecursionError:
+        raise InputError("is nested too deep", path=path) from None
+    return XmlElement(
+        tag=root.tag,
+        evidence=root.evidence,
+        attributes={**_namespaces(source), **root.attributes},
+        children=root.children,
+    )
+
+
+def xml_text(root: XmlElement) -> str:
+    """Return an element as XML text."""
+    pieces: list[str] = []
+    _write(root, pieces)
+    return "".join(pieces)
+
+
+def _converted(source: Element, path: str) -> XmlElement:
+    children: list[XmlNode] = [source.text or ""]
+    for child in source:
+        if isinstance(child.tag, str):
+            children.append(_converted(child, path))
+        children.append(child.tail or "")
+    return XmlElement(
+        tag=_spelled(str(source.tag), source.prefix),
+        evidence=Evidence(file=path, line=line_of(source)),
+        attributes={_attribute(source, str(k)): str(v) for k, v in source.attrib.items()},
+        children=tuple(child for child in children if child != ""),
+    )
+
+
+def _attribute(source: Element, name: str) -> str:
+    uri = name[1:].partition("}")[0] if name.startswith("{") else None
+    prefixes = (prefix for prefix, known in source.nsmap.items() if known == uri and prefix)
+    return _spelled(name, next(prefixes, "xml") if uri else None)
+
+
+def _spelled(name: str, prefix: str | None) -> str:
+    local = name.rpartition("}")[2]
+    return f"{prefix}:{local}" if prefix else local
+
+
+def _namespaces(source: Element) -> dict[str, str]:
+    declared = (element.nsmap for element in source.iter("*") if element.prefix or element.nsmap)
+    return {f"{XMLNS}{p}": str(uri) for nsmap in declared for p, uri in nsmap.items() if p}
+
+
+def _write(element: XmlElement, pieces: list[str]) -> None:
+    attributes = "".join(f" {name}={quoteattr(v)}" for name, v in element.attributes.items())
+    pieces.append(f"<{element.tag}{attributes}>")
+    for child in element.children:
+        if isinstance(child, str):
+            pieces.append(escape(child))
+        else:
+            _write(child, pieces)
+    pieces.append(f"</{element.tag}>")

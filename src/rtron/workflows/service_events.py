@@ -1,0 +1,120 @@
+"""Events as they happen: the service's live WebSocket, and its pages for what was missed."""
+
+import json
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from rtron.errors import InputError, SourceError
+from rtron.workflows.service_client import Client
+
+_PATIENCE_S = 10
+_PAUSE_S = 1.0
+_LONGEST = 1 << 22
+_PAGE = 1000
+_REFUSED = (401, 403)
+_POLICY_VIOLATION = 1008
+_LEVELS = ("info", "warning", "error")
+
+Event = Mapping[str, Any]
+Wanted = Mapping[str, str | None]
+
+
+def followed(called: Client, wanted: Wanted, last: int) -> Iterator[Event]:
+    """Yield the events after the id `last` that fit `wanted`, each once; without end.
+
+    While the service is away it tries again; InputError if the token is no longer good.
+    """
+    follower = _Follower(called, wanted, last)
+    while True:
+        yield from follower.while_there()
+        time.sleep(_PAUSE_S)
+
+
+@dataclass(slots=True)
+class _Follower:
+    """Knows up to which event all is told."""
+
+    called: Client
+    wanted: Wanted
+    last: int
+
+    def while_there(self) -> Iterator[Event]:
+        """Yield events until the service is away; that stands on standard error."""
+        try:
+            with _connected(self.called) as socket:
+                yield from self._events(socket)
+        except (SourceError, OSError, InvalidHandshake, ConnectionClosed, TimeoutError) as error:
+            _refuse(error)
+            sys.stderr.write(f"the service is away, trying again: {error}\n")
+
+    def _events(self, socket: ClientConnection) -> Iterator[Event]:
+        """Yield what was missed, then what is live; of many at once not all are told live."""
+        yield from self._missed()
+        for event in _live(socket):
+            if event["id"] > self.last + 1:
+                yield from self._missed()
+            if event["id"] > self.last:
+                self.last = event["id"]
+                if _fits(event, self.wanted):
+                    yield event
+
+    def _missed(self) -> Iterator[Event]:
+        """Yield what is stored after the last event, oldest first."""
+        newest = self.called.get("events", limit=1)["events"]
+        end = max(self.last, newest[0]["id"]) if newest else self.last
+        for event in _between(self.called, self.wanted, self.last, end):
+            self.last = event["id"]
+            yield event
+        self.last = end
+
+
+def _connected(called: Client) -> ClientConnection:
+    return connect(
+        called.live,
+        additional_headers=called.headers,
+        ssl=called.tls,
+        open_timeout=_PATIENCE_S,
+        max_size=_LONGEST,
+        proxy=None,
+    )
+
+
+def _between(called: Client, wanted: Wanted, last: int, end: int) -> list[Event]:
+    """Return what has happened after `last` up to `end`, oldest first."""
+    found: list[Event] = []
+    before: int | None = end + 1
+    while True:
+        page = called.get("events", **wanted, after=last or None, before=before, limit=_PAGE)
+        found += page["events"]
+        before = page["next"]
+        if before is None:
+            return found[::-1]
+
+
+def _live(socket: ClientConnection) -> Iterator[Event]:
+    for data in socket:
+        message = json.loads(data)
+        if message["type"] == "event":
+            yield message["event"]
+
+
+def _fits(event: Event, wanted: Wanted) -> bool:
+    least = _LEVELS.index(wanted["level"] or _LEVELS[0])
+    if _LEVELS.index(event["level"]) < least:
+        return False
+    return all(wanted[key] in (None, event[key]) for key in ("robot", "node", "kind"))
+
+
+def _refuse(error: Exception) -> None:
+    """Raise InputError if trying again is of no use."""
+    status = error.response.status_code if isinstance(error, InvalidStatus) else 0
+    closed = error.rcvd.code if isinstance(error, ConnectionClosed) and error.rcvd else 0
+    if status in _REFUSED or closed == _POLICY_VIOLATION:
+        help = "is the token revoked, or is it a guard's?"
+        raise InputError("the service refuses to tell what is live", help=help) from None

@@ -1,0 +1,133 @@
+"""An app in source, as the command line names it."""
+
+import os
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rtron.cli.support.progress import shown_progress
+from rtron.errors import InputError
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.vocabulary import InteractionGraph
+from rtron.workflows.launch_arguments import ASSIGNED, assignments
+
+if TYPE_CHECKING:
+    from rtron.sources.launch.ros2.executed.execution import Execution
+    from rtron.sources.workspace import Workspace
+
+_TAKEN = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StaticChoice:
+    """The options that only an app in source has."""
+
+    launches: Sequence[str] = ()
+    env: Sequence[str] = ()
+    jobs: int | None = None
+    use_cache: bool = True
+    execute: bool = False
+    python: str | None = None
+
+    @property
+    def words(self) -> list[str]:
+        """The words of a command line that choose the same app."""
+        words = [word for launch in self.launches for word in ("--launch", launch)]
+        words += [word for each in self.env for word in ("--env", each)]
+        words += ["--execute-launch"] if self.execute else []
+        return words + (["--launch-python", self.python] if self.python else [])
+
+
+@dataclass(frozen=True, slots=True)
+class StaticSource:
+    """A Source that scans folders for what launch files start."""
+
+    folders: tuple[Path, ...]
+    launches: tuple[tuple[Path, Mapping[str, str]], ...]
+    environ: Mapping[str, str]
+    options: ScanOptions
+    workspace: "Workspace"
+    ros: int = 1
+
+    def read(self) -> InteractionGraph:
+        """Return the graph, with a progress bar where somebody sees it."""
+        from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - the guard starts without it
+        from rtron.sources.static.ros2.app import scan_ros2_app  # noqa: PLC0415 - likewise
+
+        with shown_progress() as progress:
+            options = replace(self.options, progress=progress)
+            if self.ros > 1:
+                return scan_ros2_app(self.folders, self.launches, self.environ, options)
+            return scan_app(self.folders, self.launches, self.environ, options).graph
+
+    def descriptions(self, graph: InteractionGraph) -> Mapping[str, str]:
+        """Return what the manifests of the packages say whose nodes are in a graph."""
+        used = {node.package for node in graph.nodes} & self.workspace.packages.keys()
+        return {package: self.workspace.manifest(package).description for package in used}
+
+
+def static_source(
+    folders: Sequence[Path], arguments: Sequence[str], choice: StaticChoice
+) -> StaticSource:
+    """Return the app in source; raise InputError for a launch file that is not there."""
+    from rtron.sources.launch.common.generation import generation_of  # noqa: PLC0415 - likewise
+    from rtron.sources.static.common.cache import user_cache  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.static.common.launch_paths import find_launch  # noqa: PLC0415 - likewise
+    from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - likewise
+
+    if not choice.launches:
+        help = f"rtron scan {shlex.quote(str(folders[0]))} lists the launch files"
+        raise InputError("--launch is missing", help=help)
+    environ = _environ(choice.env)
+    workspace = read_workspace(folders, environ)
+    shared = assignments(arguments)
+    words = [_words(launch) for launch in choice.launches]
+    launches = [
+        (find_launch(spelled, workspace, environ), {**shared, **assignments(own)})
+        for spelled, *own in words
+    ]
+    options = ScanOptions(cache=user_cache() if choice.use_cache else None)
+    if choice.jobs:
+        options = replace(options, workers=choice.jobs)
+    ros = _sole({path: generation_of(path) for path, _ in launches})
+    options = replace(options, execution=_execution(choice, ros))
+    return StaticSource(tuple(folders), tuple(launches), environ, options, workspace, ros)
+
+
+def _execution(choice: StaticChoice, ros: int) -> "Execution | None":
+    """Return how launch files are executed; raise InputError where they cannot be."""
+    from rtron.sources.launch.ros2.executed.execution import Execution  # noqa: PLC0415 - likewise
+
+    if choice.python and not choice.execute:
+        raise InputError("--launch-python without --execute-launch", help="give both, or none")
+    if choice.execute and ros == 1:
+        help = "leave it out: launch files of ROS 1 hold no Python"
+        raise InputError("--execute-launch is for launch files of ROS 2", help=help)
+    return Execution(python=choice.python) if choice.execute else None
+
+
+def _sole(generations: Mapping[Path, int]) -> int:
+    """Return the ROS that all launch files are of; raise InputError where they differ."""
+    first = {generation: path for path, generation in generations.items()}
+    if len(first) > 1:
+        message = f"{first[1].name} is of ROS 1 and {first[2].name} of ROS 2"
+        raise InputError(message, help="scan the two apps apart: one --launch each")
+    return next(iter(first))
+
+
+def _environ(given: Sequence[str]) -> dict[str, str]:
+    for each in given:
+        if "=" not in each or each.startswith("=") or ASSIGNED in each:
+            raise InputError(f"what is --env {each}?", help="write --env NAME=VALUE")
+    environ = {name: os.environ[name] for name in _TAKEN if name in os.environ}
+    return environ | dict(each.split("=", 1) for each in given)
+
+
+def _words(launch: str) -> list[str]:
+    try:
+        return shlex.split(launch) or [""]
+    except ValueError as error:
+        help = "quote the whole: --launch 'pkg/file.launch name:=value'"
+        raise InputError(f"{launch}: {error}", help=help) from None

@@ -1,0 +1,265 @@
+import json
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from rtron.sources.declaration import NodeSite
+from rtron.sources.models import Model, interface
+from rtron.sources.models.common.yaml_model import read_form
+from rtron.vocabulary import Evidence, Parameter, Parameters
+from rtron.workflows.launch_listing import complete_launch
+
+LAUNCH = """<launch><arg name="speed"/><arg name="topic" default="cmd_vel"/>
+<node pkg="robot" type="drive.py" name="a"><remap from="cmd_vel" to="$(arg topic)"/></node>
+<node pkg="robot" type="drive.py" name="b"/>
+<node pkg="robot" type="base.py" name="base"/>
+<node pkg="robot" type="$(env KIND).py" name="kind" args="$(arg speed)"/>
+</launch>"""
+PLAIN = '<launch><node pkg="robot" type="base.py" name="base"/></launch>'
+DRIVE = """#!/usr/bin/env python
+import rospy
+from geometry_msgs.msg import Twist
+rospy.Publisher("cmd_vel", Twist, queue_size=1)
+"""
+BASE = DRIVE.replace('Publisher("cmd_vel", Twist, queue_size=1)', 'Subscriber("cmd_vel", Twist)')
+FILES = {
+    "package.xml": "<package><name>robot</name></package>",
+    "CMakeLists.txt": "project(robot)",
+    "launch/app.launch": LAUNCH,
+    "launch/plain.launch": PLAIN,
+    "launch/broken.launch": "<launch>",
+    "scripts/drive.py": DRIVE,
+    "scripts/base.py": BASE,
+}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    for name, text in FILES.items():
+        path = tmp_path / "robot" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        path.chmod(0o755)
+    return tmp_path / "robot"
+
+
+APP = ("--launch", "robot/app.launch", "--env", "KIND=base", "-j", "1")
+
+
+def test_a_folder_alone_lists_its_launch_files(rtron, folder):
+    ran = rtron("scan", folder)
+    assert (ran.code, ran.err) == (0, "")
+    assert "3 launch files" in ran.out
+    assert "robot/app.launch     speed:=… [topic:=…]" in ran.out
+    assert "robot/broken.launch  cannot be read" in ran.out
+    assert f"rtron scan {folder} --launch robot/plain.launch" in ran.out
+
+
+def test_the_list_as_json(rtron, folder):
+    document = json.loads(rtron("scan", folder, "--format", "json").out)
+    assert document["schema"] == "rtron.launches/1"
+    app, broken, plain = document["launches"]
+    assert (app["launch"], app["required"], app["optional"]) == (
+        "robot/app.launch",
+        ["speed"],
+        ["topic"],
+    )
+    assert (bool(broken["fault"]), plain["fault"]) == (True, "")
+
+
+def test_an_app_in_source_is_scanned(rtron, folder):
+    ran = rtron("scan", folder, *APP, "speed:=1")
+    assert (ran.code, ran.err) == (1, "")
+    assert "/cmd_vel" in ran.out
+    words = f"rtron plan {folder} speed:=1 --launch robot/app.launch --env KIND=base -o rtron.yaml"
+    assert words in ran.out
+
+
+def graph(rtron, *arguments):
+    ran = rtron("scan", *arguments, "--format", "graph", "--fail-on", "never")
+    assert (ran.code, ran.err) == (0, "")
+    return json.loads(ran.out)
+
+
+def test_arguments_are_for_all_launches_or_for_one(rtron, folder):
+    assert {t["name"] for t in graph(rtron, folder, *APP, "speed:=1", "topic:=go")["topics"]} == {
+        "/cmd_vel",
+        "/go",
+    }
+    one = ("--launch", "robot/app.launch speed:=1 topic:=own", "--env", "KIND=base")
+    topics = graph(rtron, folder, *one, "--launch", "robot/plain.launch", "topic:=all")["topics"]
+    assert {topic["name"] for topic in topics} == {"/cmd_vel", "/own"}
+
+
+def test_the_environment_is_the_given_one(rtron, folder, monkeypatch):
+    monkeypatch.setenv("KIND", "drive")
+    found = graph(rtron, folder, "--launch", "robot/app.launch", "speed:=1")
+    assert any("KIND is not set" in note["why"] for note in found["unresolved"])
+    found = graph(rtron, folder, *APP, "speed:=1")
+    assert {"name": "/kind", "executable": "base.py"}.items() <= found["nodes"][3].items()
+
+
+def test_a_scan_without_cache_leaves_nothing(rtron, folder, tmp_path):
+    launch = ("--launch", folder / "launch/plain.launch")
+    without = graph(rtron, folder, *launch, "--no-cache")
+    assert not (tmp_path / "cache").exists()
+    assert graph(rtron, folder, *launch) == without
+    assert list((tmp_path / "cache/rtron/scan").iterdir())
+
+
+@pytest.mark.parametrize(
+    ("format", "start"),
+    [("sarif", '{\n  "$schema"'), ("html", "<!doctype html>"), ("dot", "digraph")],
+)
+def test_other_formats(rtron, folder, tmp_path, format, start):
+    out = tmp_path / "out"
+    assert rtron("scan", folder, *APP, "speed:=1", "--format", format, "-o", out).code == 1
+    assert out.read_text().lower().startswith(start)
+
+
+def test_sarif_places_are_relative_to_the_folder(rtron, folder):
+    text = rtron("scan", folder, *APP, "speed:=1", "--format", "sarif").out
+    assert '"uri": "scripts/drive.py"' in text
+
+
+def test_a_plan_of_an_app_in_source(rtron, folder, tmp_path):
+    ran = rtron("plan", folder, *APP, "speed:=1", "-o", tmp_path / "rtron.yaml")
+    assert ran.code == 0
+    launch = folder / "launch/app.launch"
+    assert f"rtron instrument {launch} --plan {tmp_path / 'rtron.yaml'}" in ran.out
+    assert "/cmd_vel" in (tmp_path / "rtron.yaml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said", "help"),
+    [
+        (["--launch", "robot/ap.launch"], "no launch file robot/ap.launch", "robot/app.launch"),
+        (
+            ["--launch", "robot/app.launch", "--env", "KIND=x"],
+            "needs a value for speed",
+            "speed:=…",
+        ),
+        (["--launch", ""], "no launch file", ""),
+        (["--launch", "robot/broken.launch"], "broken.launch", ""),
+        (["--launch", "robot/plain.launch 'x"], "quotation", "quote"),
+        (["--launch", "robot/plain.launch", "--env", "X"], "--env X", "NAME=VALUE"),
+        (["--launch", "robot/plain.launch", "--env", "=1"], "--env =1", "NAME=VALUE"),
+        (["--launch", "robot/plain.launch", ":=1"], ":=1", "NAME:=VALUE"),
+        (["--format", "html"], "--launch is missing", "text or json"),
+        (["graph.json", "--launch", "robot/plain.launch"], "graph.json is not a folder", ""),
+        (["--live"], "--live", "leave one"),
+    ],
+)
+def test_bad_arguments_are_2_and_say_what_to_do(rtron, folder, arguments, said, help):
+    ran = rtron("scan", folder, *arguments)
+    assert (ran.code, ran.out) == (2, "")
+    assert said in ran.err
+    assert not help or "\nhelp: " in ran.err
+    assert help in ran.err
+
+
+def test_a_folder_without_launch_files_is_2(rtron, folder):
+    ran = rtron("scan", folder / "scripts")
+    assert (ran.code, ran.out) == (2, "")
+    assert "no launch files" in ran.err
+
+
+def test_launch_names_are_completed(folder, monkeypatch):
+    context = SimpleNamespace(params={"inputs": [str(folder)]}, args=[])
+    assert complete_launch(context, "robot/p") == ["robot/plain.launch"]
+    monkeypatch.chdir(folder)
+    assert len(complete_launch(SimpleNamespace(params={}, args=[]), "")) == 3
+    gone = SimpleNamespace(params={"inputs": ["/nowhere"]}, args=[])
+    assert complete_launch(gone, "") == []
+
+
+SCRIPT = """#!/usr/bin/env python
+import rospy
+from std_msgs.msg import String
+prefix = rospy.get_param("~prefix")
+rospy.Publisher(prefix + "/out", String, queue_size=1, latch=True)
+rospy.Publisher(rospy.get_param("~out", "out"), String)
+rospy.Subscriber("~in", String, None)
+rospy.Subscriber("/all", String, None)
+rospy.Publisher(input(), String)
+"""
+
+
+def test_drafting_leaves_the_recursion_limit_as_it_was(rtron, folder):
+    (folder / "scripts/talk.py").write_text(SCRIPT)
+    before = sys.getrecursionlimit()
+    assert rtron("model", "draft", folder / "scripts/talk.py").code == 0
+    assert sys.getrecursionlimit() == before
+
+
+def test_a_drafted_model_is_a_model(rtron, folder, tmp_path):
+    (folder / "scripts/talk.py").write_text(SCRIPT)
+    ran = rtron("model", "draft", folder / "scripts/talk.py", "-o", tmp_path / "talk.yaml")
+    assert (ran.code, ran.out) == (0, "")
+    model = read_form(tmp_path / "talk.yaml", Model)
+    assert model.node == ("robot/talk.py",)
+    parameters = Parameters()
+    parameters.set("/x/talk/prefix", Parameter(value="mine", evidence=Evidence(file="")))
+    found = interface(model, NodeSite(name="/x/talk", parameters=parameters))
+    assert {(str(d.kind), d.name) for d in found.declarations} == {
+        ("publish", "/x/mine/out"),
+        ("publish", "/x/out"),
+        ("subscribe", "/x/talk/in"),
+        ("subscribe", "/all"),
+    }
+    assert next(d for d in found.declarations if d.name == "/x/mine/out").latched
+    assert len(found.unresolved) == 1
+    assert "a parameter's default" in (tmp_path / "talk.yaml").read_text()
+
+
+def test_what_is_no_program_has_no_model(rtron, folder):
+    for path in (folder / "package.xml", folder, folder / "none.py"):
+        ran = rtron("model", "draft", path)
+        assert (ran.code, ran.out) == (2, "")
+        assert "is no program's source" in ran.err
+
+
+def test_a_deep_folder_in_a_package_ends_nothing(rtron, folder, deep_folder):
+    deep_folder(folder / "scripts")
+    ran = rtron("scan", folder)
+    assert (ran.code, ran.err) == (0, "")
+    assert "cannot be read" in ran.out
+    found = rtron("scan", folder, *APP, "speed:=1", "--format", "graph", "--fail-on", "never")
+    assert (found.code, found.err) == (0, "")
+    nodes = {node["name"] for node in json.loads(found.out)["nodes"]}
+    assert nodes == {"/a", "/b", "/base", "/kind"}
+
+
+def test_files_with_names_that_no_file_can_have_are_unresolved(rtron, folder):
+    long = "n" * 5000
+    path = f"$(find robot)/{long}"
+    text = f'<launch><include file="{path}"/><rosparam file="{path}"/></launch>'
+    (folder / "launch/long.launch").write_text(text)
+    ran = rtron("scan", folder, "--launch", "robot/long.launch", "--fail-on", "never")
+    assert (ran.code, ran.err) == (0, "")
+    assert "File name too long" in ran.out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("scan", "PATH"),
+        ("scan", "PATH", "--launch", "a/b"),
+        ("scan", "PATH", "."),
+        ("plan", "PATH"),
+        ("replay", "PATH", "--plan", "x"),
+        ("survey", "PATH"),
+        ("classify", "PATH"),
+        ("explain-class", "PATH"),
+        ("explain-class", "x", "--from", "PATH"),
+        ("functions", "graph", "PATH"),
+        ("functions", "apps", "PATH"),
+    ],
+)
+def test_a_path_that_no_file_can_have_is_2(rtron, words):
+    ran = rtron(*(word.replace("PATH", "n" * 5000) for word in words))
+    assert (ran.code, ran.out) == (2, "")
+    assert "nnn: File name too long" in ran.err

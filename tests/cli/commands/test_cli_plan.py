@@ -1,0 +1,91 @@
+import json
+
+import pytest
+
+from rtron.planning.plan_file.loader import parse_plan, read_plan
+
+
+def test_a_proposal_is_shown(rtron, graph_file):
+    ran = rtron("plan", graph_file)
+    assert (ran.code, ran.err) == (0, "")
+    assert "/cmd_vel  geometry_msgs/Twist, Control, contend" in ran.out
+    assert f"rtron plan {graph_file} -o rtron.yaml" in ran.out
+
+
+def test_a_plan_is_written_and_can_be_read(rtron, graph_file, plan_file):
+    assert [grcn.topic for grcn in read_plan(plan_file).grcn] == ["/cmd_vel"]
+    ran = rtron("plan", graph_file, "-o", plan_file, "--launch", "my app.launch")
+    assert f"rtron instrument 'my app.launch' --plan {plan_file} -o guarded.launch" in ran.out
+
+
+@pytest.mark.parametrize(
+    ("launch", "shown", "out"),
+    [
+        (None, "APP.launch.py", "guarded.launch.py"),
+        ("app.launch.xml", "app.launch.xml", "guarded.launch.xml"),
+        ("my app.yml", "'my app.yml'", "guarded.launch.yml"),
+        ("app.py", "app.py", "guarded.launch.py"),
+    ],
+)
+def test_the_next_step_is_that_of_the_apps_ros(rtron, graph_file, plan_file, launch, shown, out):
+    graph = json.loads(graph_file.read_text())
+    graph_file.write_text(json.dumps({**graph, "ros": 2}))
+    ran = rtron("plan", graph_file, "-o", plan_file, *(("--launch", launch) if launch else ()))
+    assert f"rtron instrument {shown} --plan {plan_file} -o {out}\n" in ran.out
+
+
+def test_the_yaml_alone_is_printed_to_a_dash(rtron, graph_file):
+    assert parse_plan(rtron("plan", graph_file, "-o", "-").out).app == "small"
+
+
+def test_an_edited_plan_is_kept(rtron, graph_file, plan_file):
+    backup = plan_file.with_name("rtron.yaml.bak")
+    edited = plan_file.read_text() + "# mine\n"
+    plan_file.write_text(edited)
+    rtron("plan", graph_file, "-o", plan_file)
+    rtron("plan", graph_file, "-o", plan_file)
+    assert backup.read_text() == edited
+    assert "# mine" not in plan_file.read_text()
+
+
+def test_a_topic_with_a_hole_in_its_name_is_said_to_be_left_out(rtron, graph_file):
+    document = json.loads(graph_file.read_text())
+    for endpoint in document["endpoints"]:
+        endpoint |= {"topic": "{prefix}/cmd_vel", "resolution": "symbolic"}
+    graph_file.write_text(json.dumps(document))
+    ran = rtron("plan", graph_file)
+    assert ran.code == 0
+    assert "Left out (1)\n  warning  {prefix}/cmd_vel" in ran.out
+
+
+def test_bad_input_is_2(rtron, tmp_path):
+    assert rtron("plan").code == 2
+    assert rtron("plan", tmp_path / "none.json").code == 2
+
+
+def test_a_good_plan_is_0(rtron, plan_file, graph_file):
+    assert rtron("check", plan_file).code == 0
+    ran = rtron("check", plan_file, "--graph", graph_file)
+    assert ran.code == 0
+    assert ran.out == f"{plan_file}  no problems\n"
+
+
+def test_a_plan_that_does_not_fit_the_app_is_1(rtron, plan_file, graph_file):
+    plan_file.write_text(plan_file.read_text().replace("topic: /cmd_vel", "topic: /cmd_vell"))
+    ran = rtron("check", plan_file, "--graph", graph_file)
+    assert ran.code == 1
+    assert "/cmd_vell" in ran.out
+    assert "  error " in ran.out
+
+
+def test_a_plan_with_a_fault_is_2_with_its_line(rtron, plan_file):
+    plan_file.write_text("schema: rtron.plan/1\napp: x\nflws: []\ngrnc: []\n")
+    ran = rtron("check", plan_file)
+    assert (ran.code, ran.out) == (2, "")
+    assert f"error: {plan_file}:3: " in ran.err
+    assert f"\n{plan_file}:4: " in ran.err
+    assert "\nhelp: " in ran.err
+
+
+def test_no_plan_is_2(rtron, tmp_path):
+    assert rtron("check", tmp_path / "none.yaml").code == 2

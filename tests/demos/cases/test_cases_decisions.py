@@ -1,0 +1,122 @@
+"""The three cases: what is malicious, and the developer's decisions."""
+
+import pytest
+from demo_runs import CORRIDOR, ROOM
+
+from rtron.demos.cases import CASES, GR, MSR, RSR, Setting
+from rtron.demos.cases.together import together
+from rtron.demos.experiment.deciding import by_decisions
+
+
+def setting(speed=1.0, rate=10.0):
+    return Setting(scene=ROOM, speed=speed, rate=rate)
+
+
+def test_each_case_is_known_by_its_name():
+    assert {name: case.name for name, case in CASES.items()} == {n: n for n in ("gr", "rsr", "msr")}
+
+
+@pytest.mark.parametrize(
+    ("case", "topic", "value"),
+    [
+        (GR, "/cmd_vel", (0.0, -0.2)),
+        (RSR, "/control/max_vel", (2.0,)),
+        (MSR, "/move_base_simple/goal", (2.7, 0.7)),
+        (MSR, "/move_base_simple/goal", (2.7, 0.7, 0.3)),
+    ],
+)
+def test_the_attackers_value_is_malicious_on_its_topic_only(case, topic, value):
+    assert case.is_malicious(topic, value, ROOM)
+    assert not case.is_malicious("/odom", value, ROOM)
+
+
+@pytest.mark.parametrize(
+    ("case", "topic", "value"),
+    [
+        (GR, "/cmd_vel", (0.22, -0.2)),
+        (GR, "/cmd_vel", (0.0, 0.2)),
+        (RSR, "/control/max_vel", (0.22,)),
+        (MSR, "/move_base_simple/goal", (4.5, 2.2)),
+    ],
+)
+def test_what_the_app_says_is_not(case, topic, value):
+    assert not case.is_malicious(topic, value, ROOM)
+
+
+def test_the_navigation_goes_before_the_safe_control():
+    chosen = GR.decisions(setting())["grcn"]["/cmd_vel"]
+    assert chosen["policy"] == "Preemption"
+    assert chosen["block_unapproved"] is True
+    assert chosen["priorities"]["/move_base"] > chosen["priorities"][GR.attacker]
+
+
+@pytest.mark.parametrize(("speed", "rate"), [(1.0, 10.0), (1.0, 20.0), (3.0, 10.0), (0.25, 5.0)])
+def test_the_threshold_lets_the_robot_cruise_at_the_cameras_rate(speed, rate):
+    decided = RSR.decisions(setting(speed, rate))
+    per_frame = float(decided["rsrcn"]["threshold"].removesuffix(" m/frame"))
+    allowed = per_frame * speed * rate
+    assert allowed == pytest.approx(0.308, rel=1e-3)
+    assert allowed / 2 < 0.22
+    assert decided["rsrcn"]["max_vel_limit"] == "0.22 m/s"
+
+
+@pytest.mark.parametrize(("speed", "rate"), [(1.0, 10.0), (8.0, 20.0), (0.25, 5.0)])
+def test_the_window_has_frames_enough_to_count(speed, rate):
+    (monitor,) = RSR.decisions(setting(speed, rate))["fps_monitor"]
+    window = float(monitor["window"].removesuffix(" s"))
+    assert window >= 0.3
+    assert monitor["silent_after"] == monitor["window"]
+    assert window * speed * rate >= 3.99
+
+
+@pytest.mark.parametrize("case", [GR, MSR])
+@pytest.mark.parametrize("speed", [0.25, 2.0])
+def test_who_tells_the_maximal_velocity_once_a_second_keeps_control(case, speed):
+    decided = case.decisions(setting(speed))["grcn"]["/control/max_vel"]
+    assert float(decided["release_after"].removesuffix(" s")) * speed == pytest.approx(3)
+
+
+def test_the_unstable_area_is_that_of_the_world():
+    decided = MSR.decisions(setting())["msrcn"]
+    (area,) = decided["areas"]
+    corners = [(corner["x"], corner["y"]) for corner in area["polygon"]]
+    assert corners == [
+        ("1.8 m", "0.2 m"),
+        ("3.6 m", "0.2 m"),
+        ("3.6 m", "1.1 m"),
+        ("1.8 m", "1.1 m"),
+    ]
+    (rule,) = decided["rules"]
+    assert rule["block"] == decided["aflows"] == ["/move_base_simple/goal"]
+
+
+def test_only_where_the_world_decides_the_plan_depends_on_it():
+    other = Setting(scene=CORRIDOR | {"area": [[0, 0], [1, 0], [1, 1]]}, speed=1.0, rate=10.0)
+    same = {
+        case.name for case in CASES.values() if case.decisions(setting()) == case.decisions(other)
+    }
+    assert same == {"gr", "rsr"}
+
+
+def test_worlds_in_a_row_share_a_guarded_app_where_the_same_is_decided():
+    slow, fast = setting(rate=5.0), setting(rate=10.0)
+    settings = {1: fast, 2: fast, 3: slow, 4: fast}
+    found = by_decisions([RSR], list(settings), lambda _, seed: settings[seed])
+    assert [seeds for _, seeds in found] == [[1, 2], [3], [4]]
+    decided = [decisions for decisions, _ in found]
+    assert decided == [RSR.decisions(one) for one in (fast, slow, fast)]
+
+
+def test_one_guarded_app_stands_against_all_cases():
+    ((decided, _),) = by_decisions(list(CASES.values()), [1, 2], lambda *_: setting())
+    each = {name: case.decisions(setting()) for name, case in CASES.items()}
+    assert decided["grcn"]["/cmd_vel"] == each["gr"]["grcn"]["/cmd_vel"]
+    assert decided["grcn"]["/control/max_vel"] == {"policy": "Block", "release_after": "3 s"}
+    assert decided["rsrcn"] == each["rsr"]["rsrcn"]
+    assert decided["fps_monitor"] == each["rsr"]["fps_monitor"]
+    assert decided["msrcn"] == each["msr"]["msrcn"]
+
+
+def test_no_case_takes_back_what_another_decides():
+    each = [case.decisions(setting()) for case in CASES.values()]
+    assert together(each) == together(reversed(each))

@@ -1,0 +1,123 @@
+"""The developer's decisions reach the plan, and nothing else in it changes."""
+
+import pytest
+import yaml
+
+from rtron.demos.runtime.plan_edits import decide, with_decisions
+from rtron.errors import InputError
+from rtron.planning.plan_file.loader import read_plan
+from rtron.vocabulary import Mode, PolicyName
+
+PROPOSED = """
+schema: rtron.plan/1
+app: demo
+grcn:
+  - id: grcn_cmd_vel
+    topic: /cmd_vel
+    type: geometry_msgs/Twist
+    domain: Control
+    kind: command
+    sharing: contend
+    mode: observe
+    policy: Block
+    flows:
+      - {name: flow1, publisher: /move_base, priority: 1}
+      - {name: flow2, publisher: /stranger, priority: 2}
+    successors: [/base]
+  - id: grcn_goal
+    topic: /goal
+    type: geometry_msgs/PoseStamped
+    domain: Planning
+    kind: action
+    sharing: contend
+    mode: enforce
+    policy: Priority_Queue
+    flows: [{name: flow1, publisher: /mission, priority: 1, timeout: 10 s}]
+    successors: [/move_base]
+rsrcn:
+  id: rsrcn
+  mode: enforce
+  policy: Block
+  vflows:
+    - topic: /max_vel
+      type: std_msgs/Float64
+      flows: [{name: vflow1, publisher: /max_velocity}]
+      successors: [/move_base]
+fps_monitor:
+  - id: fps_eyes
+    node: /eyes
+    topic: /seen
+    camera: {name: camera, topic: /image, publisher: /camera}
+"""
+
+
+@pytest.fixture
+def decided(tmp_path):
+    def decided(**decisions):
+        (tmp_path / "proposed.yaml").write_text(PROPOSED)
+        decide(tmp_path / "proposed.yaml", tmp_path / "rtron.yaml", decisions)
+        return read_plan(tmp_path / "rtron.yaml")
+
+    return decided
+
+
+def test_without_decisions_the_plan_stays_as_it_was_proposed(decided, tmp_path):
+    assert decided() == read_plan(tmp_path / "proposed.yaml")
+
+
+def test_a_policy_its_priorities_and_other_settings(decided):
+    decision = {"policy": "Preemption", "priorities": {"/move_base": 5}, "release_after": "2 s"}
+    commands, goals = decided(grcn={"/cmd_vel": decision}).grcn
+    assert (commands.policy, commands.mode) == (PolicyName.PREEMPTION, Mode.ENFORCE)
+    assert [flow.priority for flow in commands.flows] == [5, 2]
+    assert commands.release_after == 2_000_000_000
+    assert goals.policy is PolicyName.PRIORITY_QUEUE
+
+
+def test_what_counts_for_one_flow(decided):
+    _, goals = decided(grcn={"/goal": {"flows": {"/mission": {"timeout": "1 s"}}}}).grcn
+    assert (goals.flows[0].timeout, goals.flows[0].priority) == (1_000_000_000, 1)
+
+
+def test_a_limit_on_the_topics_that_are_named(decided):
+    limit = {"policy": "Constrain", "max_vel_limit": "0.22 m/s", "vflows": ["/cmd_vel", "/max_vel"]}
+    rsrcn = decided(rsrcn=limit).rsrcn
+    assert (rsrcn.policy, rsrcn.max_vel_limit) == (PolicyName.CONSTRAIN, 0.22)
+    commands, limits = rsrcn.vflows
+    assert [flow.publisher for flow in commands.flows] == ["/move_base", "/stranger"]
+    assert (commands.successors, limits.successors) == (("/base",), ("/move_base",))
+
+
+def test_a_rule_where_none_was_proposed(decided):
+    corners = [{"x": "0 m", "y": "0 m"}, {"x": "1 m", "y": "0 m"}, {"x": "1 m", "y": "1 m"}]
+    rule = {"name": "out", "block": ["/goal"], "action": "inside(action.pose.position, pit)"}
+    areas = [{"name": "pit", "frame": "map", "polygon": corners}]
+    msrcn = decided(msrcn={"aflows": ["/goal"], "areas": areas, "rules": [rule]}).msrcn
+    assert [flow.publisher for flow in msrcn.aflows[0].flows] == ["/mission"]
+    assert msrcn.areas[0].polygon[1].x == 1.0
+    assert msrcn.mode is Mode.ENFORCE
+
+
+def test_an_fps_monitor_keeps_what_was_proposed_for_it(decided):
+    slower = {"node": "/eyes", "topic": "/seen", "window": "3 s"}
+    (eyes,) = decided(fps_monitor=[slower]).fps_monitor
+    assert (eyes.window, eyes.camera.publisher) == (3_000_000_000, "/camera")
+
+
+@pytest.mark.parametrize(
+    "decisions",
+    [
+        {"grcn": {"/nowhere": {}}},
+        {"grcn": {"/cmd_vel": {"priorities": {"/nobody": 1}}}},
+        {"grcn": {"/goal": {"flows": {"/nobody": {"timeout": "1 s"}}}}},
+        {"msrcn": {"aflows": ["/nowhere"]}},
+    ],
+)
+def test_a_name_that_the_plan_does_not_have_is_refused(decisions):
+    with pytest.raises(InputError, match=r"the plan has no .*/no"):
+        with_decisions(yaml.safe_load(PROPOSED), decisions)
+
+
+def test_the_app_is_called_as_decided(decided):
+    assert decided(app="demo, gr").app == "demo, gr"
+    assert decided().app == "demo"

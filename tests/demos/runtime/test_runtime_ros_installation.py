@@ -1,0 +1,40 @@
+"""What the demo runs on, and what of the user's environment its processes see."""
+
+import pytest
+
+from rtron.demos.runtime.environ import shared_environ
+from rtron.demos.runtime.ros_installation import PYTHON_VARIABLE, need
+from rtron.errors import SourceError
+
+
+def test_nothing_leads_to_what_the_user_runs(tmp_path, monkeypatch):
+    theirs = ("ROS_DOMAIN_ID", "RTRON_SERVICE", "FASTDDS_DEFAULT_PROFILES_FILE", "DEMO_MAP")
+    for name in theirs:
+        monkeypatch.setenv(name, "theirs")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", "/opt/ros/x")
+    found = shared_environ(tmp_path, tmp_path)
+    assert not found.keys() & set(theirs)
+    assert found["AMENT_PREFIX_PATH"] == "/opt/ros/x"
+
+
+def test_a_python_that_is_named_is_taken_wherever_it_is_started_from(tmp_path, monkeypatch):
+    python = tmp_path / "python"
+    python.write_text("#!/bin/sh\nexit 0\n")
+    python.chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(PYTHON_VARIABLE, "./python")
+    assert need(2) == python
+
+
+def test_a_python_without_ros_2_is_told(tmp_path, monkeypatch):
+    monkeypatch.setenv(PYTHON_VARIABLE, str(tmp_path / "python"))
+    with pytest.raises(SourceError, match=f"{PYTHON_VARIABLE}=.*cannot run") as caught:
+        need(2)
+    assert "source a ROS 2" in caught.value.help
+
+
+def test_without_its_programs_there_is_no_ros_1(monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda _: None)
+    with pytest.raises(SourceError, match="rosmaster, roslaunch not found") as caught:
+        need(1)
+    assert "make setup" in caught.value.help

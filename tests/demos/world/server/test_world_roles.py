@@ -1,0 +1,133 @@
+"""What each role is told, on real sockets: a run from its reset to its end."""
+
+from math import atan2, pi
+
+import pytest
+from world_client import KEY, LIMIT, SPEED, clients, serving, truth_when
+
+from rtron.demos.world.client import Owner
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    with serving(tmp_path_factory.mktemp("w") / "world") as path:
+        yield path
+
+
+@pytest.fixture
+def client(path):
+    with clients(path) as connect:
+        yield connect
+
+
+@pytest.fixture
+def owner(path):
+    with Owner.connect(path, KEY, LIMIT) as owner:
+        yield owner
+
+
+def off(pose, place):
+    """Return by how much a robot does not head for a place, rad."""
+    return (atan2(place[1] - pose[1], place[0] - pose[0]) - pose[2] + pi) % (2 * pi) - pi
+
+
+def told(base, velocity, condition):
+    """Return a condition on truths that tells the base its velocity each time it is asked."""
+
+    def asked(truth):
+        base.send({"velocity": velocity})
+        return condition(truth)
+
+    return asked
+
+
+def test_everybody_is_welcomed(client):
+    for role in ("base", "lidar", "camera", "battery", "mission", "computer", "network"):
+        welcome = client(role).welcome
+        assert (welcome["welcome"], welcome["speed"]) == (role, SPEED)
+        assert welcome["t"] >= 0
+
+
+def test_devices_get_their_frames_at_their_rates(client, owner):
+    owner.reset("rsr", 1, camera_rate=4)
+    for role, period, size in (("base", 0.05, 0), ("lidar", 0.2, 1440), ("camera", 0.25, 230400)):
+        device = client(role)
+        frames = [device.next() for _ in range(5)]
+        times = [frame.head["t"] for frame in frames]
+        assert times[-1] - times[0] == pytest.approx(4 * period, abs=0.051)
+        assert {len(frame.blob) for frame in frames} == {size}
+        assert frames[-1].head["run"] > 0
+    level = client("battery").next().head
+    assert 0 < level["percentage"] <= 1 < level["voltage"]
+
+
+def test_a_run_from_reset_to_a_collision(client, owner):
+    base, mission = client("base"), client("mission")
+    begun = owner.reset("gr", 5)
+    owner.start()
+    goal = mission.next().head
+    assert (goal["run"], goal["goal"]) == (begun.run, begun.scene["goal"])
+    hit = truth_when(owner, told(base, [0.5, 0.6], lambda truth: truth.collided))
+    assert hit.run == begun.run
+    assert hit.commanded == (0.5, 0.6)
+    assert base.until(lambda f: f.head["t"] >= hit.t).head["pose"] == pytest.approx(hit.pose)
+    again = owner.reset("gr", 5)
+    assert (again.run, again.scene) == (begun.run + 1, begun.scene)
+    assert again.t >= hit.t
+    fresh = truth_when(owner, lambda truth: truth.run == again.run)
+    assert not fresh.collided
+    assert list(fresh.pose[:2]) == again.scene["start"][:2]
+
+
+def test_the_robot_stops_when_its_driver_is_gone(client, owner):
+    owner.reset("gr", 1)
+    owner.start()
+    base = client("base")
+    base.send({"velocity": [0.1, 0.0]})
+    truth_when(owner, lambda truth: truth.velocity[0] > 0)
+    base.socket.close()
+    assert not truth_when(owner, lambda truth: truth.velocity[0] == 0.0).collided
+
+
+def test_the_network_device_hears_of_the_area(client, owner):
+    network, base = client("network"), client("base")
+    assert network.next().head == {"connected": True}
+    scene = owner.reset("msr", 3).scene
+    owner.start()
+    (x, y, _), (gx, gy) = scene["start"], scene["bad_goal"]
+    side = 1 if (gx - x) * (gy - y) > 0 else -1
+    heading = told(base, [0.0, 0.5 * side], lambda truth: abs(off(truth.pose, (gx, gy))) < 0.06)
+    turned = truth_when(owner, heading)
+    lost = truth_when(owner, told(base, [0.5, 0.0], lambda truth: truth.in_area))
+    assert network.next().head == {"connected": False}
+    assert lost.t > turned.t
+    owner.reset("msr", 3)
+    assert network.next().head == {"connected": True}
+
+
+def test_the_computer_hears_of_its_rate(client, owner):
+    owner.rate(10.0)
+    computer = client("computer")
+    assert computer.next().head == {"rate": 10.0}
+    owner.rate(2.5)
+    assert computer.next().head == {"rate": 2.5}
+    owner.rate(10.0)
+
+
+def test_the_owner_counts_devices(client, owner):
+    two = [client("lidar"), client("lidar")]
+    assert owner.devices()["lidar"] == 2
+    two[0].socket.close()
+    for _ in range(100):
+        if owner.devices()["lidar"] == 1:
+            break
+        owner.poll(LIMIT)
+    counted = owner.devices()
+    assert (counted["lidar"], counted["owner"], counted["camera"]) == (1, 1, 0)
+
+
+def test_truths_of_earlier_runs_are_dropped_at_a_reset(owner):
+    owner.reset("gr", 1)
+    truth_when(owner, lambda truth: True)
+    begun = owner.reset("gr", 2)
+    assert {truth.run for truth in owner.poll(LIMIT)} == {begun.run}

@@ -1,0 +1,79 @@
+"""Classifications beside labels."""
+
+import json
+
+import pytest
+
+from evaluation.common.function_labels import Label, read_labels, score
+from rtron.functions.classifier.result import Classification
+from rtron.vocabulary import FunctionType as T
+
+
+def label(repo, primary, functions=(), accepted=()):
+    return Label(
+        repo=repo,
+        primary=frozenset(primary),
+        functions=frozenset(functions),
+        accepted=frozenset(accepted),
+    )
+
+
+def found(repo, *functions):
+    primary = functions[0] if functions else None
+    return Classification(repo=repo, functions=functions, primary=primary)
+
+
+LABELS = [
+    label("right", [T.MOBILE], [T.MOBILE, T.TELEOPERATION]),
+    label("either", [T.SENSORS, T.SUPPORT], [T.SENSORS], [T.SUPPORT]),
+    label("wrong", [T.MAPPING], [T.MAPPING]),
+    label("unknown", [T.RECOGNITION], [T.RECOGNITION]),
+    label("other", [T.EXTENSION], [T.EXTENSION]),
+    label("absent", [T.SPEAKER], [T.SPEAKER]),
+]
+FOUND = {
+    each.repo: each
+    for each in (
+        found("right", T.MOBILE),
+        found("either", T.SUPPORT),
+        found("wrong", T.SENSORS),
+        found("unknown"),
+        found("other"),
+    )
+}
+
+
+def test_the_score():
+    whole = score(LABELS, FOUND)
+    assert len(whole.pairs) == 5
+    assert whole.automation == pytest.approx(2 / 3)
+    assert whole.precision == pytest.approx(2 / 3)
+    assert whole.f1 == pytest.approx(2 * 1 / (2 * 1 + 1 + 5))
+
+
+def test_the_faults():
+    assert list(score(LABELS, FOUND).faults()) == [
+        "PART  right: Mobile (Mobile), extra none, missed Teleoperation",
+        "PART  either: Support (Sensors/Support), extra none, missed Sensors",
+        "WRONG wrong: Sensors (Mapping), extra Sensors, missed Mapping",
+        "WRONG unknown: cannot tell (Recognition), extra none, missed Recognition",
+        "WRONG other: cannot tell (Extension), extra none, missed Extension",
+    ]
+
+
+def test_nothing_has_no_share():
+    nothing = score([], {})
+    assert (nothing.automation, nothing.precision, nothing.f1) == (0, 0, 0)
+
+
+def test_labels_are_read_and_halved(tmp_path):
+    path = tmp_path / "labels.jsonl"
+    lines = [
+        {"repo": f"r{n}", "primary": ["Mobile"], "functions": ["Mobile"], "also_accepted": []}
+        for n in range(40)
+    ]
+    path.write_text("\n".join(map(json.dumps, lines)))
+    labels = read_labels(path)
+    assert labels[0] == label("r0", [T.MOBILE], [T.MOBILE])
+    assert {each.half for each in labels} == {0, 1}
+    assert [each.half for each in labels] == [each.half for each in read_labels(path)]

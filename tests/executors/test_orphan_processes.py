@@ -1,0 +1,63 @@
+"""No process lives on when the one that started it was killed."""
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from harness import lives, wait_for
+
+BUSY = """
+from executor_work import linger
+from rtron.executors import Processes
+list(Processes(2, chunk=1).map(linger, [sys.argv[1]] * 2))
+"""
+BELOW = BUSY.replace("linger", "linger_below")
+IDLE = """
+from rtron.executors import Processes
+from executor_work import process
+results = Processes(1, chunk=1).map(process, iter(int, 1))
+Path(sys.argv[1], str(next(results))).touch()
+sys.stdin.read()
+"""
+INTERPRETING = """
+from rtron.sources.declaration import NodeSite
+from rtron.sources.static.common.worker_pool import Pool
+from rtron.sources.static.common.task import Task, TaskKind
+from rtron.sources.workspace import read_workspace
+folder = Path(sys.argv[1])
+pool = Pool(read_workspace([folder], {}), 1, 60)
+list(pool.run([Task(kind=TaskKind.PYTHON, sources=(folder,), site=NodeSite(name="/n"))]))
+for process in pool._executor._processes:
+    (folder / str(process)).touch()
+sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "number"),
+    [(BUSY, 2), (BELOW, 2), (IDLE, 1), (INTERPRETING, 1)],
+    ids=["busy", "below", "idle", "interpreting"],
+)
+def test_processes_end_when_the_one_that_started_them_is_killed(tmp_path, code, number):
+    code = f"import sys\nfrom pathlib import Path\n{code}"
+    started = lambda: [int(path.name) for path in tmp_path.iterdir()]  # noqa: E731
+    with subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)],
+        cwd=Path(__file__).parent,
+        stdin=subprocess.PIPE,
+    ) as starter:
+        try:
+            wait_for(lambda: len(started()) == number)
+            assert all(map(lives, started()))
+            starter.kill()
+            starter.wait()
+            wait_for(lambda: not any(map(lives, started())))
+        finally:
+            starter.kill()
+            for process in started():
+                with suppress(ProcessLookupError):
+                    os.kill(process, signal.SIGKILL)

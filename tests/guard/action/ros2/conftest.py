@@ -1,0 +1,41 @@
+"""What the tests of actions on ROS 2 share."""
+
+from contextlib import ExitStack, suppress
+
+import pytest
+from harness import TooLateError
+
+TRIES = 3
+
+
+@pytest.fixture(scope="session")
+def domains():
+    """Keep each domain for one test: who has left another is still known there for a while."""
+    with ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def app2(monkeypatch, domains):
+    """Have a guarded action in a domain of the test's own."""
+    pytest.importorskip("rclpy")
+    from ros2_action_app import App2  # noqa: PLC0415 - needs rclpy
+    from ros2_harness import own_domain  # noqa: PLC0415
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.delenv("ROS_LOCALHOST_ONLY", raising=False)
+    with ExitStack() as apps:
+
+        def found(*policy, kind=App2, **settings):
+            """Start an app whose parts find each other: Fast DDS does not always succeed."""
+            for _ in range(TRIES - 1):
+                with suppress(TooLateError):
+                    return kind(domains.enter_context(own_domain()), *policy, **settings)
+            return kind(domains.enter_context(own_domain()), *policy, **settings)
+
+        def start(*policy, **settings):
+            app = found(*policy, **settings)
+            apps.callback(app.close)
+            return app
+
+        yield start

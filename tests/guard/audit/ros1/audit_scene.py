@@ -1,0 +1,116 @@
+"""A guarded base under attack: a driver of either client library, navigation, and the guard."""
+
+from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
+from harness import NODES, ROS_PYTHON, wait_for
+
+from bench.common.log_watcher import Watched
+from bench.ros1.intruder import Intruder
+from rtron.vocabulary import AlarmKind
+
+OUT = f"/rtron{CMD_VEL}/out"
+ROGUE = "/intruder"
+STOP = ("0", "0")
+KINDS = tuple(
+    f": {kind}:" for kind in AlarmKind if kind not in (AlarmKind.GUARD, AlarmKind.SUPERVISOR)
+)
+
+
+class Scene:
+    """The base with its guard; `log` knows when the guard said what."""
+
+    def __init__(self, ros1, program, plan=None, *, drives=True):
+        self.ros1, self._program = ros1, program
+        self.driven = Driven(ros1.folder / "driven.txt")
+        self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD)
+        self.log = Watched(self.guard.log_path)
+        if drives:
+            self.drive()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.log.close()
+
+    def drive(self):
+        """Start the driver and wait until the guard has it."""
+        self.start_driver()
+        wait_for(self.driver_hears_guard, what="the driver's connection to the guard")
+
+    def start_driver(self):
+        words = [self._program, self.driven.path, "__name:=driver", f"{CMD_VEL}:={OUT}"]
+        if str(self._program).endswith(".py"):
+            words = [ROS_PYTHON, NODES / words[0], *words[1:]]
+        self.driver = self.ros1.spawn(*words)
+
+    def driver_hears_guard(self):
+        return self.hears(CMD_VEL_GUARD)
+
+    def hears(self, node):
+        """Tell whether the driver has a connection from a node, as far as the master knows it."""
+        uri = self.ros1.uri_of("/driver")
+        rows = (uri and self.ros1.ask(uri, "getBusInfo")) or []
+        return self.ros1.uri_of(node) in {row[1] for row in rows if row[4] == OUT}
+
+    def driver_uri(self):
+        return self.ros1.uri_of("/driver")
+
+    def navigate(self):
+        return self.ros1.node("nav.py", "/nav", f"{CMD_VEL}:=/rtron{CMD_VEL}/flow1")
+
+    def stops(self):
+        """Return how many messages told the driver to rest."""
+        return self.driven.messages().count(STOP)
+
+    def alarms(self, word="alarm:"):
+        return [text for _, text in self.log.lines if word in text]
+
+    def alarmed(self, kind, uri):
+        """Tell whether an alarm of this kind has named an address, which each intruder has anew."""
+        return any(f": {kind}:" in text and uri.rstrip("/") in text for text in self.alarms())
+
+    def released(self):
+        """Tell whether the guard has ended the stop that it began last, and nothing moves."""
+        told = [text for _, text in self.log.lines if f" {CMD_VEL}: " in text]
+        return bool(told) and told[-1].endswith(": idle")
+
+    def of_the_audit(self, word="alarm:"):
+        """Return the alarms that are not the supervisor's, about a machine that is too slow."""
+        return [text for text in self.alarms(word) if any(kind in text for kind in KINDS)]
+
+
+class Visitor(Intruder):
+    """An intruder that comes by `way`, again when it was sent away before it was found.
+
+    roscpp hangs up on whom the master does not list whenever the guard says its registrations
+    again; on a machine that is too busy the audit has not looked by then.
+    """
+
+    def __init__(self, way, name=ROGUE):
+        super().__init__(name, OUT)
+        self._way = way
+
+    def __enter__(self):
+        self._way(self)
+        return self
+
+    def insist(self):
+        """Come again if whom it told of itself has hung up."""
+        if self.first and not self.heard:
+            self._way(self)
+
+
+def ghost(node, *others):
+    """Return an intruder that tells a node of itself and `others`, and nobody else."""
+    return Visitor(lambda each: each.invite(node, *others))
+
+
+def wait_until_found(scene, intruder, kind):
+    """Wait for the alarm about this intruder, not about an earlier one."""
+
+    def found():
+        if not scene.alarmed(kind, intruder.uri):
+            intruder.insist()
+        return scene.alarmed(kind, intruder.uri)
+
+    wait_for(found, what=f"the alarm, {kind}")

@@ -1,0 +1,320 @@
+"""The pure parts of the audit: rows, strangers, drift, and what one verification says."""
+
+import pytest
+from plans import grcn, plan_of
+
+from rtron.errors import WireError
+from rtron.guard.audit.ros1.bus_info import Link, links_in
+from rtron.guard.audit.ros1.expected_graph import Expectations
+from rtron.guard.audit.ros1.foreign_connections import Identity, alarm_of, strangers_of
+from rtron.guard.audit.ros1.node_addresses import Addresses
+from rtron.guard.audit.ros1.registrations import Registered, drift, foreign, listeners, registered
+from rtron.guard.audit.ros1.verification import Answers, PathState, verify
+from rtron.vocabulary import AlarmKind, Mode, StreamKind
+
+GUARD, PORT = "/rtron/grcn_cmd_vel", 4000
+OURS, THEIRS = "http://here:1", "http://there:2"
+OUT, FLOW = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1"
+PLAN = plan_of(grcn("/cmd_vel", ["/nav", "/teleop_*"], ["/driver", "/wheel_*"]))
+EXPECTED = Expectations(PLAN)
+ROSPY = "TCPROS connection on port 5 to [here:%d on socket 7]"
+ROSCPP = "TCPROS connection on port 5 to [127.0.0.1:%d on socket 7]"
+
+
+def row(source=OURS, topic=OUT, direction="i", info=ROSCPP % PORT, transport="TCPROS"):
+    return [1, f"{source}/", direction, transport, topic, True, info]
+
+
+def known(**others):
+    found = Addresses({GUARD: f"{OURS}/"}, PORT)
+    for node, uri in others.items():
+        found.learn(uri, f"/{node}")
+    return found
+
+
+def strangers(*rows, node="/driver", addresses=None):
+    heard = EXPECTED.heard(node)
+    return strangers_of(node, links_in(list(rows)), heard, addresses or known())
+
+
+@pytest.mark.parametrize(
+    ("info", "port"),
+    [
+        (ROSPY % 41234, 41234),
+        (ROSCPP % 41234, 41234),
+        ("TCPROS connection on port None to [None:None on socket None]", None),
+        ("TCPROS connection on port 1 to [[::1]:7 on socket 3]", 7),
+        ("TCPROS connection on port 1 to [host:7]", 7),
+        ("INTRAPROCESS", None),
+        ("", None),
+        (f" to [{'x' * 999}:7]", None),
+        (7, None),
+        (None, None),
+    ],
+)
+def test_the_port_at_the_other_end_is_read_as_both_libraries_write_it(info, port):
+    (link,) = links_in([row(info=info)])
+    assert link == Link(OUT, OURS, port)
+
+
+def test_what_goes_out_and_old_rows_without_an_info_are_no_surprise():
+    assert links_in([row(direction="o")]) == frozenset()
+    assert links_in([row(direction="b")]) == frozenset()
+    assert links_in([row()[:6], row()[:5]]) == {Link(OUT, OURS)}
+    assert links_in([]) == frozenset()
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        None,
+        "rows",
+        7,
+        {},
+        [None],
+        [[]],
+        [["i"] * 4],
+        [[1, 2, "i", "TCPROS", OUT]],
+        [[1, "", "i", 1, 1]],
+    ],
+)
+def test_rows_of_another_shape_are_refused(rows):
+    with pytest.raises(WireError):
+        links_in(rows)
+
+
+def test_the_guard_and_the_supervisor_are_no_strangers():
+    supervisor = known(rtron_supervisor=THEIRS)
+    assert strangers(row(), row(THEIRS), addresses=supervisor) == frozenset()
+
+
+@pytest.mark.parametrize(
+    "rogue",
+    [
+        row(THEIRS),
+        row(""),
+        row("http://here:11"),
+        row("http://HERE:1"),
+        row(THEIRS, info=ROSCPP % PORT),
+        row(info=ROSCPP % (PORT + 1)),
+        row(THEIRS, transport="UDPROS"),
+        row(THEIRS, topic="/cmd_vel"),
+    ],
+)
+def test_whoever_else_is_heard_is_a_stranger(rogue):
+    (found,) = strangers(row(), rogue)
+    assert (found.node, found.guarded) == ("/driver", "/cmd_vel")
+
+
+def test_a_connection_is_the_same_stranger_before_it_has_a_port_and_after():
+    assert (
+        strangers(row(THEIRS, info="")) == strangers(row(THEIRS)) == strangers(row(THEIRS, info=7))
+    )
+
+
+def test_a_planned_publisher_of_another_topic_is_a_stranger_here():
+    assert strangers(row(THEIRS), addresses=known(nav=THEIRS))
+
+
+def test_it_does_not_matter_what_is_heard_elsewhere_or_by_nodes_outside_the_plan():
+    assert not strangers(row(THEIRS, topic="/scan"))
+    assert not strangers(row(THEIRS), node="/rviz")
+    assert not strangers(row(THEIRS, topic=FLOW))
+    assert not strangers(row(THEIRS, topic=FLOW), node=GUARD)
+
+
+def test_a_node_that_is_meant_by_a_pattern_is_guarded():
+    assert strangers(row(THEIRS), node="/wheel_7")
+
+
+def test_a_publisher_that_also_listens_hears_itself_and_the_guard_only():
+    plan = plan_of(grcn("/cmd_vel", ["/loop"], ["/loop"]))
+    heard = Expectations(plan).heard("/loop")
+    addresses = known(loop=THEIRS)
+    rows = links_in([row(topic=FLOW), row(THEIRS, topic=FLOW), row("http://x:1", topic=FLOW)])
+    (found,) = strangers_of("/loop", rows, heard, addresses)
+    assert found.link.source == "http://x:1"
+
+
+def test_where_the_plan_lets_strangers_through_the_public_name_is_open():
+    plan = plan_of(grcn("/cmd_vel", ["/nav"], ["/driver"], block_unapproved=False))
+    heard = Expectations(plan).heard("/driver")
+    public, private = links_in([row(THEIRS, "/cmd_vel")]), links_in([row(THEIRS)])
+    assert not strangers_of("/driver", public, heard, known())
+    assert strangers_of("/driver", private, heard, known())
+
+
+def test_an_address_is_learned_and_forgotten_but_never_for_our_own_names():
+    addresses = known()
+    addresses.learn(THEIRS, GUARD)
+    assert addresses.node_of(Link(OUT, THEIRS)) == ""
+    addresses.learn(THEIRS, "/nav")
+    assert addresses.node_of(Link(OUT, THEIRS)) == "/nav"
+    addresses.learn("http://new:3", "/nav")
+    assert addresses.node_of(Link(OUT, THEIRS)) == ""
+    assert addresses.was(THEIRS)
+    assert not addresses.was("http://new:3")
+    addresses.learn(THEIRS, "/nav")
+    assert not addresses.was(THEIRS)
+
+
+@pytest.mark.parametrize(
+    ("identity", "kind", "peer"),
+    [
+        (Identity(), AlarmKind.GHOST, THEIRS),
+        (Identity(name="/rogue"), AlarmKind.FOREIGN_PUBLISHER, "/rogue"),
+        (Identity(name=GUARD), AlarmKind.IMPOSTOR, GUARD),
+        (Identity(name="/" + "x" * 9999), AlarmKind.FOREIGN_PUBLISHER, "/" + "x" * 199),
+    ],
+)
+def test_an_alarm_says_what_kind_of_stranger_it_is(identity, kind, peer):
+    (stranger,) = strangers(row(THEIRS))
+    alarm = alarm_of(stranger, identity, EXPECTED.own)
+    assert (alarm.kind, alarm.peer, alarm.node, alarm.topic) == (kind, peer, "/driver", OUT)
+    assert len(alarm.reason) < 500
+
+
+def listed(publishers=(), subscribers=()):
+    sides = [[[topic, [node]] for topic, node in side] for side in (publishers, subscribers)]
+    return registered([*sides, []], EXPECTED.topics)
+
+
+def test_a_node_that_registers_on_a_private_topic_is_foreign():
+    fine = [(OUT, GUARD), (OUT, "/rtron_supervisor"), (FLOW, "/nav"), ("/cmd_vel", "/rogue")]
+    assert not list(foreign(listed(fine), EXPECTED))
+    for topic in (OUT, FLOW):
+        (alarm,) = foreign(listed([*fine, (topic, "/rogue")]), EXPECTED)
+        assert (alarm.kind, alarm.peer) == (AlarmKind.FOREIGN_PUBLISHER, "/rogue")
+    assert list(foreign(listed([(FLOW, "/teleop_1")]), EXPECTED))
+
+
+def test_a_planned_node_on_the_public_name_has_drifted_and_a_stranger_there_has_not():
+    assert not list(drift(listed([("/cmd_vel", "/rogue")], [("/cmd_vel", "/rviz")]), EXPECTED))
+    assert not list(drift(listed([("/cmd_vel", GUARD)], [("/cmd_vel", GUARD)]), EXPECTED))
+    for publishers, subscribers in (
+        ([("/cmd_vel", "/nav")], []),
+        ([("/cmd_vel", "/teleop_3")], []),
+        ([], [("/cmd_vel", "/driver")]),
+        ([], [("/cmd_vel", "/wheel_1")]),
+    ):
+        (alarm,) = drift(listed(publishers, subscribers), EXPECTED)
+        assert alarm.kind is AlarmKind.DRIFT
+        assert alarm.node == (publishers or subscribers)[0][1]
+
+
+def test_an_action_is_closed_in_both_directions():
+    goal = grcn(
+        "/act/goal",
+        ["/client"],
+        ["/server"],
+        type="actionlib/TestActionGoal",
+        kind=StreamKind.ACTION,
+    )
+    expected = Expectations(plan_of(goal))
+    assert {"/server", "/client"} <= set(expected.listeners())
+    assert "/rtron/act/cancel/out" in expected.heard("/server")
+    assert "/rtron/act/result/out" in expected.heard("/client")
+    publishers = {"/act/status": frozenset({"/server"}), "/act/cancel": frozenset({"/client"})}
+    found = drift(Registered(publishers=publishers, subscribers={}), expected)
+    assert {alarm.topic for alarm in found} == {"/act/status", "/act/cancel"}
+
+
+def test_what_only_observes_expects_nothing():
+    expected = Expectations(plan_of(grcn("/tf", ["/a"], ["/b"], mode=Mode.OBSERVE)))
+    assert not expected.topics
+    assert not list(expected.listeners())
+
+
+@pytest.mark.parametrize("state", [None, [], [[], []], "x", [[], [], [], []]])
+def test_a_state_of_another_shape_is_refused(state):
+    with pytest.raises(WireError):
+        registered(state, EXPECTED.topics)
+
+
+def test_malformed_rows_of_a_state_are_left_out():
+    rows = [None, [], [OUT], [OUT, "x"], [7, []], [OUT, ["/a", 7, ""]], ["/other", ["/b"]]]
+    state = registered([rows, None, 7], EXPECTED.topics)
+    assert state.publishers == {OUT: frozenset({"/a"})}
+    assert state.subscribers == {}
+
+
+def test_those_who_listen_are_guarded_and_others_are_not():
+    state = listed(subscribers=[(OUT, "/driver"), ("/cmd_vel", "/rviz"), (FLOW, GUARD)])
+    assert listeners(state, EXPECTED) == {"/driver"}
+
+
+def answers(rows, publishers=(), subscribers=((OUT, "/driver"),), **more):
+    uris = {"/rtron_guard": f"{OURS}0/", GUARD: f"{OURS}/", "/rogue": f"{THEIRS}/"}
+    given = {
+        "state": listed([(OUT, GUARD), *publishers], subscribers),
+        "uris": uris,
+        "links": {"/driver": links_in(rows)},
+        "pids": {"/rtron_guard": 9, GUARD: 9},
+    }
+    return Answers(**given | more)
+
+
+def state_of(found, node="/driver"):
+    (path,) = (path for path in found.paths if path.node == node)
+    return path.state, path.foreign
+
+
+def test_a_closed_app_is_verified_and_what_does_not_run_is_no_fault():
+    found = verify(PLAN, answers([row()], [(FLOW, "/nav")]))
+    assert state_of(found) == (PathState.CLOSED, ())
+    assert state_of(found, "/nav") == (PathState.CLOSED, ())
+    assert state_of(found, "/wheel_*") == (PathState.NOT_RUNNING, ())
+    assert found.closed
+    assert found.told
+
+
+@pytest.mark.parametrize(
+    ("given", "state"),
+    [
+        (answers([row(), row(THEIRS)]), (PathState.OPEN, ("/rogue",))),
+        (answers([row(), row("http://x:9")]), (PathState.OPEN, ("http://x:9",))),
+        (answers([row(), row(THEIRS, "/cmd_vel")]), (PathState.OPEN, ("/rogue",))),
+        (answers([]), (PathState.DRIFT, ())),
+        (answers([row()], subscribers=[("/cmd_vel", "/driver")]), (PathState.DRIFT, ())),
+    ],
+)
+def test_a_path_that_is_open_or_has_drifted_names_who_is_there(given, state):
+    found = verify(PLAN, given)
+    assert state_of(found) == state
+    assert not found.closed
+    assert found.told
+
+
+def test_a_node_that_does_not_answer_cannot_be_told():
+    found = verify(PLAN, answers([], links={}))
+    assert state_of(found) == (PathState.UNKNOWN, ())
+    assert (found.closed, found.told) == (False, False)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"uris": {}}, "is not running"),
+        ({"pids": {"/rtron_guard": 9}}, "does not answer"),
+        ({"pids": {"/rtron_guard": 9, GUARD: 8}}, "taken its name"),
+        ({"publishers": [(OUT, "/rogue")]}, "/rogue registered"),
+    ],
+)
+def test_what_is_wrong_beside_the_paths_is_told(more, said):
+    found = verify(PLAN, answers([row()], **more))
+    assert any(said in problem for problem in found.problems)
+    assert not found.closed
+
+
+def test_what_is_not_guarded_is_listed():
+    observed = grcn("/tf", ["/a"], ["/b"], mode=Mode.OBSERVE)
+    plan = plan_of(*PLAN.grcn, observed, accept_unenforceable=("the plugin",))
+    services = (
+        ("/driver/set_parameters", "/driver"),
+        ("/driver/enable", "/driver"),
+        ("/driver/get_loggers", "/driver"),
+        ("/map", "/map_server"),
+    )
+    found = verify(plan, answers([row()], services=services))
+    whats = [each.what for each in found.unguarded]
+    assert whats == ["/tf", "the plugin", "/driver/set_parameters", "/driver/enable"]

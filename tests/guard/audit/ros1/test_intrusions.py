@@ -1,0 +1,155 @@
+"""When a stranger is told, and when its silence is excused: the loop and the sockets are real."""
+
+import socket
+import threading
+import time
+from contextlib import ExitStack, contextmanager
+from types import SimpleNamespace
+from xmlrpc.server import SimpleXMLRPCServer
+
+import pytest
+from plans import grcn, plan_of
+
+from rtron.guard.audit.common.alarm_response import Response
+from rtron.guard.audit.ros1 import intrusions, master_queries
+from rtron.guard.audit.ros1.audited_nodes import GuardedNodes
+from rtron.guard.audit.ros1.expected_graph import Expectations
+from rtron.guard.audit.ros1.intrusions import Intruders
+from rtron.guard.audit.ros1.poll_schedule import Rounds
+from rtron.guard.core.alarms import Alarms
+from rtron.guard.core.event_loop import Loop
+from rtron.vocabulary import SECOND, OnForeign
+from rtron.wire.ros1.xmlrpc import encode_response
+
+OUT, DRIVER = "/rtron/cmd_vel/out", "/driver"
+EXPECTED = Expectations(plan_of(grcn("/cmd_vel", ["/nav"], [DRIVER])))
+LIMIT_S = 10
+PATIENT_S = 0.6
+NEVER_S = 60
+
+
+class EmptyMaster:
+    """Knows of nobody."""
+
+    def _dispatch(self, method, _params):
+        return [1, "", [[], [], []]] if method == "getSystemState" else [-1, "unknown", ""]
+
+
+@contextmanager
+def empty_master():
+    with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False) as server:
+        server.register_instance(EmptyMaster())
+        thread = threading.Thread(target=server.serve_forever, args=(0.02,))
+        thread.start()
+        yield f"http://127.0.0.1:{server.server_address[1]}/"
+        server.shutdown()
+        thread.join()
+
+
+@contextmanager
+def hanging_master():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        yield f"http://127.0.0.1:{server.getsockname()[1]}/"
+
+
+def closed():
+    """Return an address where nobody listens."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return f"http://127.0.0.1:{server.getsockname()[1]}/"
+
+
+class Audited:
+    """The driver, whose answers the tests give; `alarms` are those that stand."""
+
+    def __init__(self, master, stack):
+        self._loop = Loop()
+        stack.callback(self._loop.close)
+        host = SimpleNamespace(alarms=Alarms(), guarded=[])
+        transport = SimpleNamespace(addresses=dict, port=0)
+        nodes = GuardedNodes(self._loop, master, EXPECTED, Rounds(self._loop, SECOND))
+        response = Response(host, transport, OnForeign.ALARM, dry_run=False)
+        intruders = Intruders(self._loop, master, transport, EXPECTED, nodes, response, {})
+        nodes.heard = intrusions.look
+        nodes.watch([DRIVER])
+        self._nodes, self._alarms = nodes, host.alarms
+        for part in (nodes, intrusions):
+            stack.callback(part.close)
+
+    @property
+    def node(self):
+        return self._nodes.by_name[DRIVER]
+
+    def answer(self, *sources):
+        """Let the driver answer that it hears these; wait until that was read."""
+        rows = [[n, uri, "i", "TCPROS", OUT, True, ""] for n, uri in enumerate(sources)]
+        body = encode_response([1, "", rows])
+        self.node.asked.answered(body)
+        self._run(lambda: self.node.body == body, 5)
+
+    def told_within(self, limit_s):
+        self._run(lambda: self._alarms.standing, limit_s)
+        return bool(self._alarms.standing)
+
+    def _run(self, until, limit_s):
+        end = time.monotonic() + limit_s
+
+        def look():
+            if until() or time.monotonic() > end:
+                self._loop.stop()
+            else:
+                self._loop.call_later(0.005, look)
+
+        self._loop.post(look)
+        self._loop.run()
+
+
+@pytest.fixture
+def stack():
+    with ExitStack() as entered:
+        yield entered
+
+
+@pytest.fixture
+def audited(stack, monkeypatch):
+    """Audit with a master that is waited for, however slow the machine is."""
+    monkeypatch.setattr(intrusions, "_PATIENCE_S", NEVER_S)
+    monkeypatch.setattr(intrusions, "_EXCUSED", NEVER_S * SECOND)
+    return Audited(stack.enter_context(empty_master()), stack)
+
+
+def test_an_alarm_does_not_wait_for_a_master_that_hangs(stack, monkeypatch):
+    monkeypatch.setattr(master_queries, "_CALL_S", NEVER_S)
+    audited = Audited(stack.enter_context(hanging_master()), stack)
+    audited.answer()
+    audited.answer(closed())
+    assert audited.told_within(LIMIT_S)
+
+
+def test_a_dead_address_that_was_there_before_the_guard_is_excused(audited):
+    audited.answer(closed())
+    assert not audited.told_within(PATIENT_S)
+
+
+def test_a_dead_address_that_appears_after_the_first_answer_is_not(audited):
+    audited.answer()
+    audited.answer(closed())
+    assert audited.told_within(LIMIT_S)
+
+
+def test_what_was_there_first_is_excused_also_when_it_comes_back(audited):
+    dead = closed()
+    for sources in ([dead], [], [dead]):
+        audited.answer(*sources)
+    assert not audited.told_within(PATIENT_S)
+
+
+def test_a_living_stranger_is_not_excused_although_it_was_there_first(stack, audited):
+    audited.answer(stack.enter_context(hanging_master()))
+    assert audited.told_within(LIMIT_S)
+
+
+def test_a_node_that_has_moved_answers_for_the_first_time_again(audited):
+    audited.answer()
+    audited.node.moved()
+    audited.answer(closed())
+    assert not audited.told_within(PATIENT_S)

@@ -1,0 +1,157 @@
+"""Each way past the guard, against rospy and roscpp: found, stopped, released.
+
+How soon it is found is measured by `python -m bench audit`, on a machine with nothing else to do.
+"""
+
+from dataclasses import replace
+
+import pytest
+from audit_scene import OUT, Scene, Visitor, ghost, wait_until_found
+from driven_base import CMD_VEL_GUARD, drive_plan
+from harness import Ros1, wait_for
+
+from rtron.vocabulary import Audit, OnForeign
+from rtron.vocabulary.names import SUPERVISOR_NODE
+
+pytestmark = pytest.mark.ros1
+RUNS = 3
+
+
+@pytest.fixture(params=["rospy", "roscpp"])
+def program(request):
+    if request.param == "rospy":
+        return "driver.py"
+    return request.getfixturevalue("roscpp_driver")
+
+
+def wait_for_stop(scene, stops):
+    wait_for(lambda: scene.stops() > stops, what="a stop while the intruder is there")
+
+
+def wait_until_settled(scene):
+    def settled():
+        return len(scene.of_the_audit("no more:")) == len(scene.of_the_audit("alarm:"))
+
+    wait_for(settled, what="the end of the alarms")
+
+
+def wait_until_released(scene):
+    """Wait until the guard stops nothing any more: who stops later does so anew."""
+    wait_until_settled(scene)
+    wait_for(scene.released, what="the end of the stop")
+
+
+def assert_found_and_stopped(scene, kind, intrude, runs=RUNS):
+    """Intrude some times; each time the alarm must come, the robot stop and be released."""
+    for _ in range(runs):
+        stops = scene.stops()
+        with intrude() as intruder:
+            wait_until_found(scene, intruder, kind)
+            wait_for_stop(scene, stops)
+        wait_until_released(scene)
+
+
+class Registered(Visitor):
+    """Registers at the master for as long as it is there."""
+
+    def __init__(self, ros1):
+        super().__init__(lambda each: each.register(ros1.uri))
+        self._ros1 = ros1
+
+    def leave(self):
+        self.unregister(self._ros1.uri)
+        super().leave()
+
+
+class Impostor(Visitor):
+    """Takes a name, again when its owner has it back before anybody has asked who took it."""
+
+    def __init__(self, ros1, name):
+        super().__init__(lambda each: each.register(ros1.uri), name)
+        self._ros1 = ros1
+
+    def insist(self):
+        if self._ros1.uri_of(self.name) != self.uri:
+            self._way(self)
+
+
+def bridged(scene, other):
+    """Return an intruder of another master, which believes that the driver belongs to it."""
+    driver = scene.driver_uri()
+    return Visitor(lambda each: each.invite_through(other.uri, "/driver", driver))
+
+
+def test_a_rogue_that_registers(ros1, program):
+    with Scene(ros1, program) as scene:
+        assert_found_and_stopped(scene, "foreign publisher", lambda: Registered(ros1))
+
+
+def test_a_ghost_that_does_not_register(ros1, program):
+    with Scene(ros1, program) as scene:
+        addresses = (scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD))
+        assert_found_and_stopped(scene, "ghost publisher", lambda: ghost(*addresses))
+
+
+def test_a_rogue_behind_a_second_master(ros1, program, tmp_path):
+    with Ros1(tmp_path / "other") as other, Scene(ros1, program) as scene:
+        assert_found_and_stopped(scene, "ghost publisher", lambda: bridged(scene, other))
+
+
+def test_an_impostor_with_the_guards_name(ros1, program):
+    with Scene(ros1, program) as scene:
+        for _ in range(RUNS):
+            stops = scene.stops()
+            with Impostor(ros1, CMD_VEL_GUARD) as impostor:
+                wait_until_found(scene, impostor, "impostor")
+                wait_for_stop(scene, stops)
+                wait_for(impostor.shut_down.is_set, what="the master's call to the impostor")
+            wait_for(scene.driver_hears_guard, what="the guard's return")
+            wait_until_released(scene)
+        assert not scene.guard.ended
+
+
+def test_a_driver_that_joins_late_finds_a_ghost_waiting(ros1, program):
+    with Scene(ros1, program, drives=False) as scene, Registered(ros1) as rogue:
+        wait_for(lambda: scene.alarms("alarm: foreign publisher"), what="the alarm")
+        scene.start_driver()
+        wait_until_found(scene, rogue, "foreign publisher")
+
+
+def test_a_driver_that_was_away_when_the_robot_was_stopped_is_told_to_rest(ros1, program):
+    with Scene(ros1, program) as scene:
+        with Registered(ros1) as rogue:
+            wait_until_found(scene, rogue, "foreign publisher")
+            scene.driver.kill()
+        wait_until_released(scene)
+        stops = scene.stops()
+        scene.drive()
+        wait_for(lambda: scene.stops() > stops, what="the stop")
+
+
+def test_where_the_plan_says_alarm_nothing_is_stopped(ros1, program):
+    plan = replace(drive_plan(), audit=Audit(on_foreign=OnForeign.ALARM))
+    with Scene(ros1, program, plan) as scene:
+        scene.navigate()
+        wait_for(lambda: len(scene.driven.navigation()) > 1, what="navigation at the driver")
+        with ghost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
+            before = len(scene.driven.navigation())
+            wait_for(lambda: len(scene.driven.navigation()) > before + 20, what="navigation")
+            wait_for(
+                lambda: intruder.insist() or scene.driven.turns() > 100,
+                what="the ghost's messages",
+            )
+            assert not intruder.shut_down.is_set()
+        wait_until_settled(scene)
+        assert not any("stopping: /driver hears" in text for _, text in scene.log.lines)
+
+
+def test_an_impostor_with_the_supervisors_name(ros1, program):
+    with Scene(ros1, program) as scene:
+        wait_for(lambda: SUPERVISOR_NODE in ros1.publishers(OUT), what="the supervisor")
+        wait_for(lambda: scene.hears(SUPERVISOR_NODE), what="its connection")
+        stops = scene.stops()
+        with Impostor(ros1, SUPERVISOR_NODE) as impostor:
+            wait_until_found(scene, impostor, "impostor")
+            wait_for_stop(scene, stops)
+        wait_until_released(scene)

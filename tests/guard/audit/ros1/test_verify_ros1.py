@@ -1,0 +1,76 @@
+"""`rtron verify --live` on a real app: closed, open, drifted, and when it cannot be told."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from audit_scene import OUT, Scene
+from driven_base import CMD_VEL_GUARD, Driven, drive_plan
+from harness import NODES, ROS_PYTHON, wait_for
+
+from bench.ros1.intruder import Intruder
+from rtron.vocabulary import Audit, OnForeign
+
+pytestmark = pytest.mark.ros1
+ALARM = replace(drive_plan(), audit=Audit(on_foreign=OnForeign.ALARM))
+
+
+@pytest.fixture
+def scene(ros1):
+    with Scene(ros1, "driver.py", ALARM) as made:
+        yield made
+
+
+def verified(ros1, code, *more):
+    """Verify; return the document, or what was said where there is none."""
+    plan = ros1.folder / "rtron.yaml"
+    words = ("verify", "--live", "--plan", plan, "--timeout", "20", *more)
+    process = ros1.rtron(*words)
+    wait_for(lambda: process.ended, what="the end of verify")
+    assert process.code == code, process.log
+    return json.loads(process.log) if process.log.startswith("{") else process.log
+
+
+def states(found):
+    return {path["node"]: path["state"] for path in found["paths"]}
+
+
+def test_a_closed_app_is_0(ros1, scene):
+    found = verified(ros1, 0, "--format", "json")
+    assert (found["verdict"], found["problems"]) == ("closed", [])
+    assert states(found) == {"/driver": "closed", "/nav": "not running", "/rogue": "not running"}
+    said = verified(ros1, 0)
+    assert "closed" in said.splitlines()[0]
+
+
+def test_a_ghost_is_1_and_named(ros1, scene):
+    with Intruder("/ghost", OUT) as ghost:
+        ghost.invite(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD))
+        wait_for(lambda: ghost.first, what="the ghost's connection")
+        found = verified(ros1, 1, "--format", "json")
+    (path,) = (path for path in found["paths"] if path["node"] == "/driver")
+    assert (path["state"], path["foreign"]) == ("open", [ghost.uri.rstrip("/")])
+
+
+def test_missing_remaps_are_1(ros1, scene):
+    driven = Driven(ros1.folder / "other.txt")
+    scene.driver.stop()
+    ros1.spawn(ROS_PYTHON, NODES / "driver.py", driven.path, "__name:=driver")
+    ros1.node("nav.py", "/nav")
+    wait_for(driven.navigation, what="what navigation sends to the driver")
+    found = verified(ros1, 1, "--format", "json")
+    assert states(found) | {"/rogue": ""} == {"/driver": "open", "/nav": "drift", "/rogue": ""}
+    wait_for(lambda: len(scene.alarms("alarm: drift")) == 2, what="the guard's own alarms")
+
+
+def test_a_dead_guard_is_1(ros1, scene):
+    scene.guard.stop()
+    found = verified(ros1, 1, "--format", "json")
+    assert any("is not running" in problem for problem in found["problems"])
+
+
+def test_it_cannot_be_told_without_a_master_or_a_plan(ros1, scene):
+    ros1.master.kill()
+    assert "nothing can be verified" in verified(ros1, 2)
+    (ros1.folder / "rtron.yaml").write_text("grcn: 7")
+    assert "rtron.yaml" in verified(ros1, 2)

@@ -1,0 +1,50 @@
+"""A guarded base on a real ROS 2, and whoever comes to disturb it."""
+
+import json
+import re
+
+from harness import wait_for
+from ros2_plans import driving, written
+
+from rtron.vocabulary import Audit, OnForeign
+
+CMD_VEL = "/cmd_vel"
+OUT, FLOW1 = f"/rtron{CMD_VEL}/out", f"/rtron{CMD_VEL}/nav"
+GRCN = "/rtron/grcn_cmd_vel"
+
+
+class Base2:
+    """A driver, navigation and the guard; everything that is started ends with the domain."""
+
+    def __init__(self, ros2, on_foreign="alarm"):
+        self._ros2 = ros2
+        self.plan = ros2.folder / "rtron.yaml"
+        audit = Audit(on_foreign=OnForeign(on_foreign))
+        self.plan.write_text(written(driving("nav"), audit=audit))
+
+    def start(self):
+        self.guard = self._ros2.rtron("guard", "--plan", self.plan)
+        self.driver = self._ros2.node("driver2.py", OUT, name="/driver")
+        self.nav = self.start_nav()
+        wait_for(lambda: self.speeds("0.5") > 5, what="the navigation's words")
+
+    def start_nav(self):
+        return self.speaker("/nav", FLOW1, "0.5")
+
+    def speaker(self, name, topic, speed, rate="50"):
+        return self._ros2.node("speaker2.py", topic, speed, rate, name=name)
+
+    def speeds(self, speed):
+        """Return how many messages of a speed the driver has heard."""
+        return len(re.findall(rf"speed {re.escape(speed)}$", self.driver.log, re.MULTILINE))
+
+    def alarms(self, word="alarm:"):
+        return [line for line in self.guard.log.splitlines() if word in line]
+
+    def verified(self, code, timeout="20"):
+        """Verify; return the document, or what was said where there is none."""
+        words = ("verify", "--live", "--plan", self.plan, "--timeout", timeout)
+        process = self._ros2.rtron(*words, "--format", "json")
+        wait_for(lambda: process.ended, what="the end of verify")
+        assert process.code == code, process.log
+        return json.loads(process.log) if process.log.startswith("{") else process.log

@@ -1,0 +1,103 @@
+"""`rtron verify --live` and the guard's audit on a real ROS 2: closed, disturbed, and restarted."""
+
+import os
+import signal
+
+import pytest
+from harness import wait_for
+
+pytest.importorskip("rclpy")
+from guarded_base2 import CMD_VEL, FLOW1, GRCN, OUT, Base2
+
+from rtron.guard.transport.ros2.participants import Life, Lives
+from rtron.guard.transport.ros2.process_table import Processes
+from rtron.wire.ros2.endpoints import publishers_of
+from rtron.wire.ros2.session import Session
+
+pytestmark = pytest.mark.ros2
+LEASE_S = 60.0
+
+
+@pytest.fixture
+def base(ros2):
+    return Base2(ros2)
+
+
+def states(found):
+    return {path["node"]: path["state"] for path in found["paths"]}
+
+
+def test_verify_and_the_audit_tell_what_comes_and_goes(base):
+    base.start()
+    found = base.verified(0)
+    assert (found["verdict"], found["problems"]) == ("closed", [])
+    assert states(found) == {"/driver": "closed", "/nav": "closed"}
+    unguarded = {each["what"] for each in found["unguarded"]}
+    assert {"/driver/set_parameters", "/nav/set_parameters"} <= unguarded
+    assert not any("get_" in what for what in unguarded)
+
+    intruders = [
+        base.speaker("/rogue", OUT, "7.0"),
+        base.speaker("/other", FLOW1, "8.0"),
+        base.speaker(GRCN, CMD_VEL, "9.0"),
+        base.speaker("/nav", FLOW1, "10.0"),
+    ]
+    for kind in (": foreign publisher: /rogue", ": foreign publisher: /other"):
+        wait_for(lambda kind=kind: base.alarms(kind), what=kind)
+    wait_for(lambda: base.alarms(f"has taken the name {GRCN}"), what="the impostor of the guard")
+    wait_for(lambda: base.alarms("2 participants have the name /nav"), what="that of the flow")
+    found = base.verified(1)
+    foreign = {path["node"]: path["foreign"] for path in found["paths"]}
+    assert foreign["/driver"] == ["/rogue"]
+    assert foreign["/nav"] == ["/other"]
+    assert any(f"has the name of the guard's node {GRCN}" in each for each in found["problems"])
+    assert [base.speeds(speed) for speed in ("8.0", "9.0", "10.0")] == [0, 0, 0]
+
+    for intruder in intruders:
+        intruder.stop()
+    wait_for(lambda: len(base.alarms("no more:")) >= len(intruders), what="the end of the alarms")
+
+
+def test_a_publisher_that_was_killed_and_started_anew_is_no_impostor(base):
+    base.start()
+    base.nav.tell(signal.SIGKILL)
+    wait_for(lambda: base.nav.ended, what="the end of navigation")
+    heard = base.speeds("0.5")
+    base.start_nav()
+    wait_for(lambda: base.speeds("0.5") > heard + 5, LEASE_S, what="navigation anew")
+    assert [line for line in base.alarms() if ": guard:" not in line] == []
+
+
+def test_a_stranger_brakes_where_the_plan_says_so(ros2):
+    base = Base2(ros2, "stop")
+    base.start()
+    rogue = base.speaker("/rogue", OUT, "7.0")
+    wait_for(lambda: base.speeds("0.0") > 3, what="the stop")
+    passed = base.speeds("0.5")
+    rogue.stop()
+    wait_for(lambda: base.alarms("no more:"), what="the end of the alarm")
+    wait_for(lambda: base.speeds("0.5") > passed + 5, what="navigation again")
+
+
+def test_a_killed_process_is_known_to_be_gone_while_the_domain_still_lists_it(ros2):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        session = Session(ros2.domain)
+    looker = session.node("/looker")
+    processes = Processes()
+    lives = Lives(session.participant("/looker"), processes)
+    node = ros2.node("speaker2.py", FLOW1, "1.0", "10", name="/nav")
+    wait_for(lambda: publishers_of(looker, FLOW1), what="the node")
+    (found,) = publishers_of(looker, FLOW1)
+    lives.look([found.participant, session.participant("/looker")], 0)
+    assert lives.process(found.participant) == processes.of(node.pid)
+    assert lives.of(found.participant) is Life.RUNS
+    assert lives.process(session.participant("/looker")) == processes.of(os.getpid())
+    node.tell(signal.SIGKILL)
+    wait_for(lambda: lives.of(found.participant) is Life.GONE, what="the end of the node")
+    assert publishers_of(looker, FLOW1)
+    session.close()
+
+
+def test_an_empty_domain_cannot_be_told(base):
+    assert "nobody is in the ROS 2 domain" in base.verified(2, "1")

@@ -1,0 +1,318 @@
+"""Which alarms follow from what a ROS 2 domain shows, and which streams they brake."""
+
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+from tempfile import mkdtemp
+from types import SimpleNamespace
+
+import pytest
+from domain_scene import (
+    CLOSED,
+    CMD_VEL,
+    DRIVER,
+    FLOW1,
+    GRCN,
+    GUARD,
+    GUARDS,
+    NAV,
+    NAV_SPEAKS,
+    NAVIGATE,
+    OUT,
+    ROGUE,
+    SEND_GOAL,
+    TELEOP,
+    action_plan,
+    base_plan,
+    calls,
+    publisher,
+    serves,
+    subscriber,
+)
+from proc_folder import Machine
+
+from rtron.guard.audit.common.alarm_response import Response
+from rtron.guard.audit.common.braking_alarms import Cases
+from rtron.guard.audit.ros2.expected_graph import Wanted
+from rtron.guard.audit.ros2.graph_alarms import AWAIT_NAME, doubles, drifts, strangers
+from rtron.guard.audit.ros2.observed_graph import Seen
+from rtron.guard.core.alarms import Alarms
+from rtron.guard.transport.common.memory import MemoryTransport
+from rtron.guard.transport.ros2.participants import LEASE, Lives
+from rtron.vocabulary import (
+    GUARD_NODE,
+    SUPERVISOR_NODE,
+    Alarm,
+    AlarmKind,
+    OnForeign,
+    QoS,
+    Reliability,
+)
+
+OURS = frozenset({GUARD})
+ACTION_OUT = f"/rtron{NAVIGATE}/out"
+ACTION_STATUS = f"{ACTION_OUT}/_action/status"
+RUNNING = {1000, 2000, 3000, 4000, 5000}
+
+
+class Look:
+    """What the audit makes of endpoints, look by look."""
+
+    folder = ""
+
+    def __init__(self, plan=None, running=RUNNING, own=GUARD):
+        self.wanted = Wanted(plan or base_plan())
+        self.machine = Machine(Path(mkdtemp(dir=self.folder)))
+        for pid in running:
+            self.machine.start(pid)
+        self.lives = Lives(own, self.machine.processes())
+
+    def at(self, now, *ends):
+        seen = Seen(ends)
+        self.lives.look((end.participant for end in ends), now)
+        found = strangers(self.wanted, seen, OURS, self.lives, now)
+        return [*found, *doubles(self.wanted, seen, self.lives, now)]
+
+
+@pytest.fixture(autouse=True)
+def _machines(tmp_path, monkeypatch):
+    monkeypatch.setattr(Look, "folder", tmp_path)
+
+
+def found(*ends, plan=None):
+    return Look(plan).at(0, *ends)
+
+
+def test_a_closed_app_gives_no_alarm():
+    assert found(*CLOSED) == []
+    assert list(drifts(Wanted(base_plan()), Seen(CLOSED), OURS)) == []
+
+
+def test_a_stranger_on_the_private_output_is_told_and_braked_at_once():
+    ((alarm, braked),) = found(*CLOSED, publisher(OUT, "/rogue", ROGUE))
+    assert (alarm.kind, alarm.topic, alarm.peer) == (AlarmKind.FOREIGN_PUBLISHER, OUT, "/rogue")
+    assert alarm.reason == (
+        f"/rogue of the participant {ROGUE.hex()} publishes {OUT}, past the guard"
+    )
+    assert braked == (CMD_VEL,)
+
+
+def test_a_nameless_one_on_the_private_output_is_a_ghost_at_once():
+    ((alarm, braked),) = found(*CLOSED, publisher(OUT, "", ROGUE))
+    assert (alarm.kind, braked) == (AlarmKind.GHOST, (CMD_VEL,))
+
+
+def test_where_gids_tell_no_process_a_nameless_one_may_be_the_supervisor_for_a_moment():
+    look, nameless = Look(own=b"\x01\x10" + GUARD[2:]), publisher(OUT, "", ROGUE)
+    assert look.at(0, *CLOSED, nameless) == []
+    ((alarm, braked),) = look.at(AWAIT_NAME + 1, *CLOSED, nameless)
+    assert (alarm.kind, braked) == (AlarmKind.GHOST, (CMD_VEL,))
+
+
+def test_a_planned_publisher_is_a_stranger_on_the_output():
+    ((alarm, braked),) = found(*CLOSED, publisher(OUT, "/nav", NAV))
+    assert (alarm.peer, braked) == ("/nav", (CMD_VEL,))
+
+
+def test_a_stranger_on_a_flow_is_told_and_brakes_nothing_since_the_guard_refuses_it():
+    ((alarm, braked),) = found(*CLOSED, publisher(FLOW1, "/rogue", ROGUE))
+    assert (alarm.kind, braked) == (AlarmKind.FOREIGN_PUBLISHER, ())
+    assert alarm.reason.endswith("where the guard does not hear it")
+
+
+def test_a_nameless_one_on_a_flow_has_a_moment_to_be_named():
+    look, nameless = Look(), publisher(FLOW1, "", ROGUE)
+    assert look.at(0, *CLOSED, nameless) == []
+    assert look.at(AWAIT_NAME, *CLOSED, nameless) == []
+    ((alarm, braked),) = look.at(AWAIT_NAME + 1, *CLOSED, nameless)
+    assert (alarm.kind, braked) == (AlarmKind.GHOST, ())
+
+
+def test_strangers_on_the_public_name_matter_only_where_a_successor_listens_there():
+    rogue = publisher(CMD_VEL, "/rogue", ROGUE)
+    tool = subscriber(CMD_VEL, "/rviz", TELEOP)
+    assert found(*CLOSED, rogue, tool) == []
+    ((alarm, braked),) = found(*CLOSED, rogue, subscriber(CMD_VEL, "/driver", DRIVER))
+    assert (alarm.peer, alarm.topic, braked) == ("/rogue", CMD_VEL, (CMD_VEL,))
+    waved = base_plan(block_unapproved=False)
+    assert found(*CLOSED, rogue, subscriber(CMD_VEL, "/driver", DRIVER), plan=waved) == []
+
+
+@pytest.mark.parametrize("topic", ["/rosout", CMD_VEL, FLOW1, OUT])
+def test_a_name_of_ours_with_somebody_else_is_an_impostor_wherever_it_is(topic):
+    ((alarm, braked),) = found(*CLOSED, publisher(topic, GRCN, ROGUE))
+    assert (alarm.kind, alarm.node, alarm.peer) == (AlarmKind.IMPOSTOR, GRCN, ROGUE.hex())
+    assert braked == (CMD_VEL,)
+
+
+def test_the_guards_and_the_supervisors_names_are_ours_too():
+    for name, braked in ((GUARD_NODE, ()), (SUPERVISOR_NODE, (CMD_VEL,))):
+        ((alarm, past),) = found(*CLOSED, publisher("/rosout", name, ROGUE))
+        assert (alarm.kind, past) == (AlarmKind.IMPOSTOR, braked)
+
+
+def test_the_supervisors_own_participant_may_speak_named_or_not():
+    ours = OURS | {TELEOP}
+    for name in ("", SUPERVISOR_NODE):
+        seen = Seen([*CLOSED, publisher(OUT, name, TELEOP)])
+        assert strangers(Wanted(base_plan()), seen, ours, Look().lives, 0) == []
+
+
+def test_listeners_and_nodes_outside_the_plan_are_no_alarm():
+    more = [subscriber(OUT, "/rosbag", ROGUE), subscriber(FLOW1, "/rosbag", ROGUE)]
+    twins = [publisher("/rosout", "/rviz", each) for each in (ROGUE, TELEOP)]
+    assert found(*CLOSED, *more, *twins) == []
+
+
+def test_a_topic_full_of_strangers_costs_no_more_than_some_and_hides_no_other():
+    crowd = [publisher(FLOW1, f"/rogue{n}", ROGUE) for n in range(300)]
+    told = found(*CLOSED, *crowd, publisher(OUT, "/rogue", ROGUE))
+    assert len(told) == 17
+    assert [braked for _, braked in told].count((CMD_VEL,)) == 1
+
+
+def test_what_strangers_are_called_stays_on_one_line():
+    ((alarm, _),) = found(*CLOSED, publisher(OUT, "/a\nb" + "x" * 5000, ROGUE))
+    assert "\n" not in alarm.reason
+    assert len(alarm.reason) < 400
+
+
+class TestDoubles:
+    SECOND_NAV = publisher("/rosout", "/nav", ROGUE)
+
+    def test_a_second_one_beside_one_that_runs_is_an_impostor_and_brakes_nothing(self):
+        look = Look()
+        look.at(0, *CLOSED)
+        ((alarm, braked),) = look.at(1, *CLOSED, self.SECOND_NAV)
+        assert (alarm.kind, alarm.node, braked) == (AlarmKind.IMPOSTOR, "/nav", ())
+        assert NAV.hex() in alarm.reason
+        assert ROGUE.hex() in alarm.reason
+
+    def test_one_that_was_killed_and_started_anew_is_no_impostor(self):
+        look = Look()
+        look.at(0, *CLOSED)
+        look.machine.end(2000)
+        for now in (1, LEASE, 3 * LEASE):
+            assert look.at(now, *CLOSED, self.SECOND_NAV) == []
+
+    def test_one_elsewhere_has_a_lease_to_leave(self):
+        look = Look(running=RUNNING - {2000})
+        look.at(0, *CLOSED)
+        assert look.at(5, *CLOSED, self.SECOND_NAV) == []
+        assert len(look.at(5 + LEASE, *CLOSED, self.SECOND_NAV)) == 1
+
+    def test_a_second_successor_is_told_too(self):
+        look = Look()
+        look.at(0, *CLOSED)
+        ((alarm, _),) = look.at(1, *CLOSED, subscriber(OUT, "/driver", ROGUE))
+        assert alarm.node == "/driver"
+
+
+class TestDrift:
+    def drifts(self, *ends):
+        return [alarm.reason for alarm in drifts(Wanted(base_plan()), Seen(ends), OURS)]
+
+    def test_missing_remaps(self):
+        told = self.drifts(
+            *GUARDS, publisher(CMD_VEL, "/nav", NAV), subscriber(CMD_VEL, "/driver", DRIVER)
+        )
+        assert told == [
+            f"/driver listens to {CMD_VEL}, not to {OUT}: its remap is missing",
+            f"/nav publishes {CMD_VEL}, not {FLOW1}: its remap is missing",
+        ]
+
+    def test_a_type_that_is_not_the_plans(self):
+        (told,) = self.drifts(*GUARDS, replace(NAV_SPEAKS, type="std_msgs/msg/String"))
+        assert told.startswith("the guard does not hear /nav: its type is std_msgs/String")
+
+    def test_quality_that_does_not_fit(self):
+        offered = replace(GUARDS[0], qos=QoS(reliability=Reliability.BEST_EFFORT))
+        (told,) = self.drifts(*GUARDS[1:], offered, subscriber(OUT, "/driver", DRIVER))
+        assert "/driver does not hear the guard: reliable is asked for" in told
+
+    def test_strangers_do_not_drift(self):
+        other = "std_msgs/msg/String"
+        ends = (publisher(FLOW1, "/x", ROGUE, type=other), subscriber(OUT, "/x", ROGUE, type=other))
+        assert self.drifts(*CLOSED, *ends) == []
+
+
+class TestAction:
+    def test_a_client_beside_the_guard_is_told_and_braked(self):
+        rogue = calls(f"/rtron{NAVIGATE}/out", SEND_GOAL, "/rogue", ROGUE)
+        ((alarm, braked),) = found(rogue, plan=action_plan())
+        assert alarm.reason.endswith(f"publishes /rtron{NAVIGATE}/out{SEND_GOAL}, past the guard")
+        assert braked == (NAVIGATE,)
+
+    def test_a_client_of_the_public_name_is_the_guards_business(self):
+        assert found(calls(NAVIGATE, SEND_GOAL, "/rogue", ROGUE), plan=action_plan()) == []
+
+    def test_a_second_server_is_told_once_and_braked(self):
+        status = publisher(ACTION_STATUS, "/rogue", ROGUE)
+        service = serves(ACTION_OUT, SEND_GOAL, "/rogue", ROGUE)
+        for ends in ([status], service, [status, *service]):
+            assert set(found(*ends, plan=action_plan())) == {
+                (
+                    Alarm(
+                        kind=AlarmKind.FOREIGN_PUBLISHER,
+                        reason=f"/rogue of the participant {ROGUE.hex()} offers to serve "
+                        f"{NAVIGATE}, too",
+                        topic=ACTION_OUT,
+                        peer="/rogue",
+                    ),
+                    (NAVIGATE,),
+                )
+            }
+
+    def test_a_second_server_without_a_name_has_a_moment_to_be_named(self):
+        look, nameless = Look(action_plan()), publisher(ACTION_STATUS, "", ROGUE)
+        assert look.at(0, nameless) == look.at(AWAIT_NAME, nameless) == []
+        ((alarm, braked),) = look.at(AWAIT_NAME + 1, nameless)
+        assert (alarm.kind, braked) == (AlarmKind.GHOST, (NAVIGATE,))
+
+    def test_feedback_of_a_stranger_brakes_nothing(self):
+        rogue = publisher(f"{ACTION_OUT}/_action/feedback", "/rogue", ROGUE)
+        ((alarm, braked),) = found(rogue, plan=action_plan())
+        assert (alarm.peer, braked) == ("/rogue", ())
+
+    def test_the_server_and_one_started_in_its_place_are_no_alarm(self):
+        look = Look(action_plan())
+        old, new = (publisher(ACTION_STATUS, "/server", each) for each in (NAV, ROGUE))
+        assert look.at(0, old) == []
+        look.machine.end(2000)
+        assert look.at(1, old, new) == []
+
+    def test_a_second_server_with_the_name_of_the_first_is_braked(self):
+        one, two = (publisher(ACTION_STATUS, "/server", each) for each in (NAV, ROGUE))
+        ((alarm, braked),) = found(one, two, plan=action_plan())
+        assert (alarm.kind, alarm.node, braked) == (AlarmKind.IMPOSTOR, "/server", (NAVIGATE,))
+        elsewhere = publisher("/rosout", "/server", ROGUE)
+        ((_, braked),) = found(one, elsewhere, plan=action_plan())
+        assert braked == ()
+
+
+class TestCases:
+    @pytest.fixture
+    def alarms(self):
+        return Alarms()
+
+    @pytest.fixture
+    def cases(self, alarms):
+        host = SimpleNamespace(alarms=alarms, guarded=[])
+        return Cases(Response(host, MemoryTransport(), OnForeign.STOP, dry_run=False))
+
+    def test_what_is_found_stands_until_it_is_found_no_more(self, cases, alarms):
+        one, other = (Alarm(kind=AlarmKind.GHOST, reason=text) for text in "ab")
+        cases.found([(one, ()), (other, (CMD_VEL,))], 1)
+        assert alarms.standing == (one, other)
+        cases.found([(other, (CMD_VEL,))], 2)
+        assert alarms.standing == (other,)
+        cases.found([], 3)
+        assert alarms.standing == ()
+        assert alarms.raised == 2
+
+
+def test_every_alarm_says_where_and_is_told_once():
+    rogues = [publisher(topic, "/rogue", ROGUE) for topic in (OUT, FLOW1)]
+    told = [alarm for alarm, _ in chain(found(*CLOSED, *rogues), found(*CLOSED, *rogues))]
+    assert len(set(told)) == 2
+    assert all(alarm.topic for alarm in told)

@@ -1,0 +1,98 @@
+"""Which participants are taken for the supervisors': what only looks like one, is not."""
+
+import os
+
+import pytest
+from domain_scene import publisher, subscriber
+from proc_folder import ANOTHER, FIRST_NAMESPACE, Machine
+
+from rtron.guard.audit.ros2.observed_graph import Seen
+from rtron.guard.audit.ros2.supervisor_participants import Kin
+from rtron.guard.transport.ros2.participants import Lives
+from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
+
+OUT = "/rtron/cmd_vel/out"
+PARENT = os.getppid()
+
+
+def participant(pid, chance=b"\x2a\x2a", number=0):
+    low = (pid & 0xFFFF).to_bytes(2, "little")
+    return b"\x01\x0f\x78\xfd" + low + chance + bytes([number, 0, 0, 0])
+
+
+OURS, SUPERVISOR = participant(os.getpid()), participant(PARENT)
+TWIN = participant(PARENT, number=1)
+ELSEWHERE = participant(PARENT, chance=b"\1\1")
+
+
+class Audit:
+    def __init__(self, folder, namespace):
+        self.machine = Machine(folder, namespace=namespace)
+        for pid in (os.getpid(), PARENT):
+            self.machine.start(pid)
+        self._processes = self.machine.processes()
+        self.lives = Lives(OURS, self._processes)
+        self._kin = Kin(self.lives, self._processes)
+
+    def found(self, *ends):
+        self.lives.look((end.participant for end in ends), 0)
+        return self._kin.found(Seen(ends))
+
+
+@pytest.fixture(params=[FIRST_NAMESPACE, ANOTHER], ids=["machine", "container"])
+def audit(request, tmp_path):
+    return Audit(tmp_path, request.param)
+
+
+@pytest.fixture
+def contained(tmp_path):
+    return Audit(tmp_path, ANOTHER)
+
+
+def speaks(who, node=SUPERVISOR_NODE):
+    return publisher(OUT, node, who)
+
+
+@pytest.mark.parametrize("name", ["", SUPERVISOR_NODE, GUARD_NODE])
+def test_our_parent_is_kin_named_or_not(audit, name):
+    assert audit.found(speaks(SUPERVISOR, name)) == {SUPERVISOR}
+
+
+def test_it_stays_kin_when_it_has_died_until_the_domain_has_lost_it(audit):
+    assert audit.found(speaks(SUPERVISOR)) == {SUPERVISOR}
+    audit.machine.end(PARENT)
+    assert audit.found(speaks(SUPERVISOR)) == {SUPERVISOR}
+    assert audit.found() == frozenset()
+
+
+def test_somebody_else_with_its_name_is_not_kin(audit):
+    other = participant(4711)
+    audit.machine.start(4711)
+    assert audit.found(speaks(other), speaks(SUPERVISOR)) == {SUPERVISOR}
+
+
+def test_of_two_participants_of_one_process_the_first_is_kin(audit):
+    assert audit.found(speaks(SUPERVISOR)) == {SUPERVISOR}
+    assert audit.found(speaks(SUPERVISOR), speaks(TWIN)) == {SUPERVISOR}
+
+
+def test_of_two_that_come_at_once_neither_is_until_one_has_left(audit):
+    assert audit.found(speaks(SUPERVISOR), speaks(TWIN, "")) == frozenset()
+    assert audit.found(speaks(SUPERVISOR)) == {SUPERVISOR}
+
+
+def test_in_a_container_somebody_with_our_parents_id_and_another_name_is_not_kin(contained):
+    assert contained.found(speaks(ELSEWHERE, "/rogue")) == frozenset()
+
+
+def test_in_a_container_who_gets_another_name_is_kin_no_more(contained):
+    assert contained.found(speaks(ELSEWHERE, "")) == {ELSEWHERE}
+    assert contained.found(speaks(ELSEWHERE, "/rogue")) == frozenset()
+    assert contained.found(speaks(ELSEWHERE, "/rogue"), speaks(SUPERVISOR)) == {SUPERVISOR}
+
+
+def test_where_gids_tell_no_process_the_only_one_with_the_name_is_kin(audit):
+    audit.lives.tells = False
+    found = [speaks(participant(4711)), subscriber("/rosout", SUPERVISOR_NODE, participant(4711))]
+    assert audit.found(*found) == {participant(4711)}
+    assert audit.found(*found, speaks(SUPERVISOR)) == {participant(4711)}

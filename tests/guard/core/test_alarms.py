@@ -1,0 +1,34 @@
+"""The alarms that stand, and what is said of those that find no place."""
+
+import logging
+
+from rtron.guard.core import alarms as module
+from rtron.guard.core.alarms import Alarms
+from rtron.vocabulary import SECOND, Alarm, AlarmKind
+
+
+def alarm(number):
+    return Alarm(kind=AlarmKind.GHOST, reason=f"ghost {number}")
+
+
+def test_an_alarm_is_news_once_and_again_after_it_was_settled(caplog):
+    caplog.set_level(logging.WARNING)
+    alarms = Alarms()
+    assert alarms.raise_(alarm(1), 5)
+    assert not alarms.raise_(alarm(1), 6)
+    assert (alarms.since(alarm(1)), alarms.raised) == (5, 1)
+    alarms.settle(alarm(1))
+    alarms.settle(alarm(1))
+    assert alarms.raise_(alarm(1), 7)
+    assert [r.getMessage().split(":")[0] for r in caplog.records] == ["alarm", "no more", "alarm"]
+
+
+def test_what_finds_no_place_is_counted_and_said_once_a_second(monkeypatch, caplog):
+    monkeypatch.setattr(module, "_MOST", 2)
+    alarms = Alarms()
+    for now in range(0, 3 * SECOND, SECOND // 10):
+        for number in range(5):
+            alarms.raise_(alarm(number), now)
+    assert alarms.standing == (alarm(0), alarm(1))
+    assert alarms.raised == 2 + 30 * 3
+    assert len(caplog.records) == 2 + 3

@@ -1,0 +1,56 @@
+"""When the guard before was last there."""
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.presence import Presence, presence_path
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "robot.seen"
+
+
+def test_the_first_guard_knows_of_nobody(path):
+    assert Presence(path).before == 0
+
+
+def test_the_next_one_knows_when_it_was_there(path):
+    before = time.time_ns()
+    loop = Loop()
+    Presence(path).keep(loop)
+    assert path.stat().st_mode & 0o777 == 0o600
+    os.utime(path, ns=(before - 7, before - 7))
+    assert Presence(path).before == before - 7
+    loop.step()
+    assert Presence(path).before > before - 7
+    loop.close()
+
+
+def test_a_time_to_come_counts_as_now(path):
+    path.touch()
+    future = time.time_ns() + 10**12
+    os.utime(path, ns=(future, future))
+    assert Presence(path).before <= time.time_ns()
+
+
+def test_where_nothing_can_be_written_the_guard_goes_on(tmp_path):
+    loop = Loop()
+    Presence(tmp_path / "none" / "robot.seen").keep(loop)
+    loop.close()
+
+
+@pytest.mark.parametrize(
+    ("address", "expected"),
+    [
+        ("domain 42", "rtron-a-domain_42.seen"),
+        ("http://localhost:11311", "rtron-a-http___localhost_11311.seen"),
+        ("../" * 40, f"rtron-a-{'_' * 64}.seen"),
+    ],
+)
+def test_each_master_and_domain_has_a_file_of_its_own(address, expected):
+    assert presence_path(Path("/run/rtron-a.sock"), address) == Path("/run") / expected

@@ -1,0 +1,147 @@
+"""The guard on a real ROS 2: the paper's GR attack, QoS, what was latched, and the supervisor."""
+
+import os
+import re
+import signal
+import time
+from collections import Counter
+
+import pytest
+from harness import wait_for
+
+pytest.importorskip("rclpy")
+from rclpy_nodes import kept, twist
+from ros2_plans import driving, written
+
+from rtron.vocabulary import SECOND, Durability, Reliability, flow_topic, output_topic
+from rtron.wire.ros2.endpoints import publishers_of
+from rtron.wire.ros2.session import Session
+
+pytestmark = pytest.mark.ros2
+PLAN = written(driving("nav", "teleop"))
+PATIENT = written(driving("teleop", "nav", silent_after=60 * SECOND))
+"""What one word sets in motion is not stopped while the driver, on a busy machine, is awaited."""
+TOPIC = "/cmd_vel"
+NAV, OUT = flow_topic(TOPIC, "nav"), output_topic(TOPIC)
+EVIL = "9.0"
+SETTLED = 300
+"""Words of the navigation, 50 a second, after which the guard knows whose a name is."""
+
+
+@pytest.fixture
+def guard(ros2):
+    """Start the guard; it is ready when it says so."""
+
+    def start(text=PLAN):
+        plan = ros2.folder / "rtron.yaml"
+        plan.write_text(text)
+        guard = ros2.rtron("guard", "--plan", plan)
+        wait_for(lambda: "guarding 1 topics" in guard.log or guard.ended, what="the guard")
+        assert not guard.ended, guard.log
+        return guard
+
+    return start
+
+
+def speeds(driver):
+    return Counter(re.findall(r"speed (\S+)", driver.log))
+
+
+@pytest.fixture
+def domain(ros2):
+    """Look at the test's domain from this process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        session = Session(ros2.domain)
+        yield session.node("/looker")
+        session.close()
+
+
+def offered_by_the_guard(domain):
+    def found():
+        return {e.node: e.qos for e in publishers_of(domain, OUT)}.get("/rtron/grcn_cmd_vel")
+
+    return wait_for(found, what="the guard's output in the graph")
+
+
+def speaker(ros2, name, topic, speed, rate, *more):
+    return ros2.node("speaker2.py", topic, speed, rate, *more, name=name)
+
+
+def test_not_one_of_a_thousand_malicious_messages_passes(ros2, guard):
+    driver = ros2.node("driver2.py", OUT, name="/driver")
+    guarding = guard()
+    speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"] > SETTLED, what="the navigation")
+    evil = [
+        speaker(ros2, "/evil", TOPIC, EVIL, "400", "1000"),
+        speaker(ros2, "/nav", NAV, EVIL, "200", "400"),
+        speaker(ros2, "/other", flow_topic(TOPIC, "teleop"), EVIL, "200", "400"),
+    ]
+    wait_for(lambda: all("said all" in each.log for each in evil), 120, "the attack")
+    before = speeds(driver)["0.5"]
+    wait_for(lambda: speeds(driver)["0.5"] > before + 20, what="the navigation after it")
+    assert speeds(driver)[EVIL] == 0
+    assert "unapproved publisher /evil under the public name" in guarding.log
+    assert "unapproved publisher /other on the private topic of teleop" in guarding.log
+    assert "unapproved publisher /nav on the private topic of nav" in guarding.log
+
+
+@pytest.mark.parametrize(
+    ("profile", "reliability", "deadline"),
+    [("reliable", Reliability.RELIABLE, 0), ("best_effort", Reliability.BEST_EFFORT, 2 * 10**9)],
+)
+def test_the_driver_gets_the_qos_of_the_publisher(
+    ros2, guard, domain, profile, reliability, deadline
+):
+    guard()
+    driver = ros2.node("driver2.py", OUT, profile, name="/driver")
+    speaker(ros2, "/nav", NAV, "0.5", "20", "", profile)
+    wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
+    offered = offered_by_the_guard(domain)
+    assert (offered.reliability, offered.deadline) == (reliability, deadline)
+    assert offered.durability is Durability.VOLATILE
+
+
+def test_what_was_latched_before_the_guard_came_arrives_but_moves_no_driver_that_comes_late(
+    ros2, guard, domain, stand
+):
+    nav = speaker(ros2, "/nav", NAV, "0.5", "10", "1", "latched")
+    wait_for(lambda: "said all" in nav.log, what="the one word")
+    driver = ros2.node("driver2.py", OUT, "latched", name="/driver")
+    guard(PATIENT)
+    wait_for(lambda: speeds(driver)["0.5"], what="what was latched")
+    came = time.monotonic()
+    assert offered_by_the_guard(domain).durability is Durability.TRANSIENT_LOCAL
+    wait_for(lambda: time.monotonic() - came > 2, what="that the word is old")
+    robot = stand()
+    late = robot.listener("/late", OUT, profile=kept(100))
+    speaker(ros2, "/teleop", flow_topic(TOPIC, "teleop"), "0.25", "10")
+    robot.wait_for(lambda: twist(0.25) in late and speeds(driver)["0.25"], "the next to speak")
+    assert speeds(driver)["0.5"] == 1
+    assert twist(0.5) not in late
+
+
+def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
+    driver = ros2.node("driver2.py", OUT, name="/driver")
+    supervisor = guard()
+    speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
+    (pid,) = re.findall(r"the guard begins, process (\d+)", supervisor.log)
+    os.kill(int(pid), signal.SIGKILL)
+    stops = speeds(driver)["0.0"]
+    wait_for(lambda: speeds(driver)["0.0"] > stops, what="the stop")
+    stopped = speeds(driver)["0.5"]
+    wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
+
+
+def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):
+    driver = ros2.node("driver2.py", OUT, name="/driver")
+    guard()
+    nav = speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"], what="the navigation")
+    nav.kill()
+    speaker(ros2, "/nav", NAV, "0.7", "50")
+    wait_for(
+        lambda: speeds(driver)["0.7"], 15, "the next one, before the lease of the first is over"
+    )

@@ -1,0 +1,397 @@
+"""The guard dies, hangs and starves between real nodes, and so does its supervisor."""
+
+import os
+import resource
+import signal
+import sys
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from driven_base import CMD_VEL_GUARD, Driven, drive_plan, start_guard
+from harness import free_port, lives, named, wait_for
+from rostopic import TWIST, say
+
+from rtron.guard.supervision.supervisor_fsm import STARTING
+from rtron.planning.plan_file.writer import write_plan
+from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan
+
+pytestmark = pytest.mark.ros1
+SPEED, FORBIDDEN = 0.8, 9.0
+OUT = "/rtron/cmd_vel/out"
+
+
+def plan_with_a_blocked_flow():
+    plan = drive_plan()
+    (node,) = plan.grcn
+    mover, blocked = node.flows
+    return replace(plan, grcn=(replace(node, flows=(mover, replace(blocked, block=True))),))
+
+
+class Supervised:
+    """A guard under supervision, and the driver behind it; a forbidden velocity flows too."""
+
+    def __init__(self, ros1, driver):
+        self.ros1 = ros1
+        self.process = start_guard(ros1, plan_with_a_blocked_flow(), CMD_VEL_GUARD)
+        self.plan = ros1.folder / "rtron.yaml"
+        ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
+        self.driven = Driven(ros1.folder / "driven.txt")
+        ros1.spawn(driver, self.driven.path, f"/cmd_vel:={OUT}", "__name:=driver")
+        wait_for(self.is_wired, what="the driver's connections")
+        twist = "geometry_msgs/Twist"
+        say(ros1, "nav", "/cmd_vel", twist, TWIST % SPEED, 50, "/cmd_vel:=/rtron/cmd_vel/flow1")
+        forbidden = TWIST % FORBIDDEN
+        say(ros1, "rogue", "/cmd_vel", twist, forbidden, 50, "/cmd_vel:=/rtron/cmd_vel/flow2")
+        say(ros1, "by_hand", "/cmd_vel", twist, forbidden, 50)
+        self.wait_for_speed("the velocity")
+
+    def is_wired(self):
+        nodes = (SUPERVISOR_NODE, CMD_VEL_GUARD)
+        return all(self.ros1.connected(node, "/driver", OUT) for node in nodes)
+
+    @property
+    def guard(self):
+        return self.pid_of(GUARD_NODE)
+
+    @property
+    def supervisor(self):
+        return self.pid_of(SUPERVISOR_NODE)
+
+    def pid_of(self, node):
+        return self.ros1.ask(self.ros1.uri_of(node), "getPid")
+
+    def speeds(self):
+        return [float(x) for x, _ in self.driven.messages()]
+
+    def wait_for_speed(self, what, since=0):
+        wait_for(lambda: SPEED in self.speeds()[since:], what=what)
+
+    def wait_for_stop(self, since=0):
+        """Wait for a stop among what was told; return how much was told before it."""
+        wait_for(lambda: any(x < SPEED for x in self.speeds()[since:]), what="the stop")
+        return next(n for n, x in enumerate(self.speeds()) if n >= since and x < SPEED)
+
+    def tell_guard(self, number):
+        os.kill(self.guard, number)
+
+    def assert_nothing_unchecked(self):
+        assert max(self.speeds()) <= SPEED
+
+
+@pytest.fixture
+def supervised(ros1, driver):
+    made = Supervised(ros1, driver)
+    yield made
+    end_rest(made)
+
+
+def end_rest(supervised):
+    """End what is left of a guard whose first supervisor was killed."""
+    for node in (SUPERVISOR_NODE, GUARD_NODE):
+        pid = supervised.pid_of(node)
+        if pid and supervised.process.ended:
+            os.kill(pid, signal.SIGTERM)
+            wait_for(lambda pid=pid: not lives(pid), what=f"the end of {node}")
+
+
+def members(group):
+    """Return the processes of a group that live."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        if folder.name.isdigit() and lives(int(folder.name)):
+            try:
+                same = os.getpgid(int(folder.name)) == group
+            except ProcessLookupError:
+                continue
+            found += [int(folder.name)] if same else []
+    return found
+
+
+def starve(pid):
+    size = int(Path(f"/proc/{pid}/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.prlimit(pid, resource.RLIMIT_AS, (size, size))
+
+
+CAUSES = {
+    "kill": lambda pid: os.kill(pid, signal.SIGKILL),
+    "stop": lambda pid: os.kill(pid, signal.SIGSTOP),
+    "starve": starve,
+}
+
+
+@pytest.mark.parametrize("cause", CAUSES)
+def test_the_robot_is_stopped_and_the_guard_comes_back(supervised, cause):
+    guard, told = supervised.guard, len(supervised.speeds())
+    CAUSES[cause](guard)
+    stopped = supervised.wait_for_stop(told)
+    supervised.wait_for_speed("the velocity through the next guard", stopped)
+    assert supervised.guard != guard
+    assert not lives(guard)
+    supervised.assert_nothing_unchecked()
+    diagnostics = supervised.ros1.run("rostopic", "echo", "-n", "1", "/diagnostics")
+    assert "guard: the guard before" in diagnostics
+
+
+def spare_of(supervised):
+    """Return the guard that waits, once there is one."""
+    known = {supervised.guard, supervised.supervisor}
+    return wait_for(lambda: set(members(supervised.process.pid)) - known, what="a spare").pop()
+
+
+def test_a_supervisor_without_files_keeps_the_robot_stopped_and_starts_a_guard_later(supervised):
+    supervisor, told = supervised.supervisor, len(supervised.speeds())
+    spare, guard = spare_of(supervised), supervised.guard
+    _, most = limit = resource.prlimit(supervisor, resource.RLIMIT_NOFILE)
+    resource.prlimit(supervisor, resource.RLIMIT_NOFILE, (3, most))
+    for pid in (spare, guard):
+        os.kill(pid, signal.SIGKILL)
+    wait_for(lambda: "no guard can be started" in supervised.process.log, what="the failure")
+    stopped = supervised.wait_for_stop(told)
+    wait_for(lambda: supervised.speeds()[-1] == 0, what="the rest")
+    resource.prlimit(supervisor, resource.RLIMIT_NOFILE, limit)
+    supervised.wait_for_speed("the velocity through the next guard", stopped)
+    assert supervised.supervisor == supervisor
+
+
+def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
+    spare, told = spare_of(supervised), len(supervised.speeds())
+    os.kill(spare, signal.SIGSTOP)
+    os.kill(supervised.guard, signal.SIGKILL)
+    stopped = supervised.wait_for_stop(told)
+    limit_s = STARTING / SECOND * 0.9
+    wait_for(lambda: SPEED in supervised.speeds()[stopped:], limit_s, what="the next guard")
+    assert not lives(spare)
+
+
+def test_a_python_driver_is_stopped_too(ros1):
+    start_guard(ros1, plan_with_a_blocked_flow(), CMD_VEL_GUARD)
+    ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
+    echo = ros1.spawn("rostopic", "echo", "/cmd_vel/linear/x", "__name:=driver", f"/cmd_vel:={OUT}")
+    wait_for(lambda: ros1.connected(SUPERVISOR_NODE, "/driver", OUT), what="the connection")
+    twist = "geometry_msgs/Twist"
+    say(ros1, "nav", "/cmd_vel", twist, TWIST % SPEED, 50, "/cmd_vel:=/rtron/cmd_vel/flow1")
+    wait_for(lambda: "0.8" in echo.log, what="the velocity")
+    guard = ros1.ask(ros1.uri_of(GUARD_NODE), "getPid")
+    heard = [float(x) for x in echo.log.split() if x[0].isdigit()]
+    os.kill(guard, signal.SIGKILL)
+    wait_for(
+        lambda: any(0 < float(x) < SPEED for x in echo.log.split() if x[0].isdigit()), what="a ramp"
+    )
+    assert set(heard) == {SPEED}
+
+
+def test_a_short_stall_stops_the_robot_and_costs_the_guard_nothing(supervised):
+    guard, told = supervised.guard, len(supervised.speeds())
+    os.kill(guard, signal.SIGSTOP)
+    stopped = supervised.wait_for_stop(told)
+    os.kill(guard, signal.SIGCONT)
+    supervised.wait_for_speed("the velocity", stopped)
+    assert supervised.guard == guard
+    supervised.assert_nothing_unchecked()
+
+
+def test_who_stops_both_and_lets_both_go_on_gets_no_alarm(supervised):
+    guard, told = supervised.guard, len(supervised.speeds())
+    for number in (signal.SIGSTOP, signal.SIGCONT):
+        supervised.process.tell(number)
+    supervised.wait_for_speed("the velocity", told)
+    assert supervised.guard == guard
+    assert "stands still" not in supervised.process.log
+
+
+def test_the_guard_goes_on_without_its_supervisor_and_gets_another(supervised):
+    guard, supervisor = supervised.guard, supervised.supervisor
+    os.kill(supervisor, signal.SIGKILL)
+    wait_for(lambda: supervised.process.ended, what="the supervisor's end")
+    supervised.wait_for_speed("the velocity", len(supervised.speeds()))
+    wait_for(lambda: supervised.supervisor not in (None, supervisor), what="another supervisor")
+    diagnostics = supervised.ros1.run("rostopic", "echo", "-n", "1", "/diagnostics")
+    assert "supervisor: it is gone; the guard goes on" in diagnostics
+    assert supervised.guard == guard
+    assert min(supervised.speeds()) == SPEED
+    wait_for(supervised.is_wired, what="the new supervisor's connection")
+    told = len(supervised.speeds())
+    os.kill(guard, signal.SIGKILL)
+    stopped = supervised.wait_for_stop(told)
+    supervised.wait_for_speed("the velocity through the next guard", stopped)
+    supervised.assert_nothing_unchecked()
+
+
+def test_a_supervisor_that_hangs_is_replaced(supervised):
+    guard, supervisor = supervised.guard, supervised.supervisor
+    os.kill(supervisor, signal.SIGSTOP)
+    wait_for(lambda: supervised.process.ended, what="the supervisor's end")
+    wait_for(lambda: supervised.supervisor not in (None, supervisor), what="another supervisor")
+    assert supervised.guard == guard
+
+
+def test_a_new_command_takes_over_the_guard_that_runs(supervised):
+    guard, supervisor = supervised.guard, supervised.supervisor
+    os.kill(supervisor, signal.SIGKILL)
+    again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
+    wait_for(lambda: supervised.supervisor == again.pid, what="the new supervisor")
+    assert supervised.guard == guard
+    assert min(supervised.speeds()) == SPEED
+    again.stop()
+    assert again.code == 0
+    assert not lives(guard)
+
+
+def test_a_new_command_takes_the_place_of_the_one_that_the_guard_has_started(supervised):
+    supervisor = supervised.supervisor
+    os.kill(supervisor, signal.SIGKILL)
+    wait_for(lambda: supervised.supervisor not in (None, supervisor), what="another supervisor")
+    stand_in, guard = supervised.supervisor, supervised.guard
+    again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
+    wait_for(lambda: supervised.supervisor == again.pid, what="the new supervisor")
+    wait_for(lambda: not lives(stand_in), what="the end of the one before")
+    assert supervised.guard == guard
+    again.stop()
+    assert not lives(guard)
+
+
+def test_a_new_command_with_another_plan_ends_the_guard_that_runs(supervised):
+    guard = supervised.guard
+    supervised.plan.write_text(write_plan(drive_plan()))
+    os.kill(supervised.supervisor, signal.SIGKILL)
+    again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
+    wait_for(lambda: supervised.guard not in (None, guard), what="the new guard")
+    assert not lives(guard)
+    wait_for(lambda: supervised.supervisor == again.pid, what="the new supervisor")
+    again.stop()
+
+
+def test_a_second_guard_is_refused(supervised):
+    guard = supervised.guard
+    second = supervised.ros1.rtron("guard", "--plan", supervised.plan)
+    wait_for(lambda: second.ended, what="the end of the second")
+    assert second.code == 2
+    assert f"error: a guard is running on {supervised.ros1.uri}, process {guard}" in second.log
+    assert supervised.guard == guard
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_both_end_in_order_and_the_robot_is_stopped(supervised, number):
+    group, told = supervised.process.pid, len(supervised.speeds())
+    os.kill(group, number)
+    wait_for(lambda: supervised.process.ended, what="the end")
+    assert supervised.process.code == 0
+    assert members(group) == []
+    supervised.wait_for_stop(told)
+    wait_for(lambda: supervised.speeds()[-1] == 0.0, what="the rest")
+    assert not supervised.ros1.publishers(OUT)
+    assert "Traceback" not in supervised.process.log
+
+
+def test_a_guard_that_hangs_does_not_keep_the_supervisor_from_ending(supervised):
+    group = supervised.process.pid
+    supervised.tell_guard(signal.SIGSTOP)
+    os.kill(group, signal.SIGTERM)
+    wait_for(lambda: supervised.process.ended, what="the end")
+    assert supervised.process.code == 0
+    assert members(group) == []
+
+
+@pytest.mark.parametrize("node", [GUARD_NODE, CMD_VEL_GUARD])
+def test_no_node_of_the_guard_is_ended_over_the_network(supervised, node):
+    guard, told = supervised.guard, len(supervised.speeds())
+    supervised.ros1.run("rosnode", "kill", node)
+    refused = f"{node} is not shut down, end rtron guard itself"
+    wait_for(lambda: refused in supervised.process.log, what="the refusal")
+    supervised.wait_for_speed("the velocity", told)
+    assert supervised.guard == guard
+    assert set(supervised.speeds()) == {SPEED}
+    assert supervised.ros1.connected(CMD_VEL_GUARD, "/driver", OUT)
+
+
+def test_a_flood_of_shutdowns_is_no_flood_of_log_lines(supervised):
+    before = len(supervised.process.log)
+    for node in (GUARD_NODE, SUPERVISOR_NODE):
+        uri = supervised.ros1.uri_of(node)
+        for _ in range(100):
+            supervised.ros1.ask(uri, "shutdown", "\n" + "x" * 10_000)
+        wait_for(lambda node=node: f"{node} " in supervised.process.log[before:], what="a refusal")
+    assert len(supervised.process.log) - before < 10_000
+
+
+def test_the_supervisor_is_not_ended_over_the_network(supervised):
+    supervisor = supervised.supervisor
+    supervised.ros1.run("rosnode", "kill", SUPERVISOR_NODE)
+    assert supervised.supervisor == supervisor
+    told = len(supervised.speeds())
+    supervised.tell_guard(signal.SIGKILL)
+    supervised.wait_for_stop(told)
+
+
+def test_nothing_is_left_when_both_are_killed(supervised):
+    group = supervised.process.pid
+    for number in (supervised.supervisor, supervised.guard):
+        os.kill(number, signal.SIGKILL)
+    wait_for(lambda: members(group) == [], what="the end of all")
+
+
+def test_a_guard_whose_supervisor_and_owner_are_gone_stops_the_robot_and_ends(ros1, driver):
+    path = ros1.folder / "rtron.yaml"
+    path.write_text(write_plan(plan_with_a_blocked_flow()))
+    words = f"{sys.executable} -m rtron guard --plan {path} & wait"
+    owner = ros1.spawn("sh", "-c", words)
+    ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
+    pids = [ros1.ask(ros1.uri_of(n), "getPid") for n in (SUPERVISOR_NODE, GUARD_NODE)]
+    os.kill(owner.pid, signal.SIGSTOP)
+    os.kill(pids[0], signal.SIGKILL)
+    os.kill(owner.pid, signal.SIGKILL)
+    wait_for(lambda: members(owner.pid) == [], what="the end of the guard")
+    assert not lives(pids[1])
+    assert "who has started it too" in owner.log
+
+
+def test_what_a_guard_has_started_ends_when_the_first_owner_is_gone(ros1):
+    path = ros1.folder / "rtron.yaml"
+    path.write_text(write_plan(plan_with_a_blocked_flow()))
+    owner = ros1.spawn("sh", "-c", f"{sys.executable} -m rtron guard --plan {path} & wait; cat")
+    ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
+    first = ros1.ask(ros1.uri_of(SUPERVISOR_NODE), "getPid")
+    os.kill(owner.pid, signal.SIGSTOP)
+    os.kill(first, signal.SIGKILL)
+
+    def stand_in():
+        return ros1.ask(ros1.uri_of(SUPERVISOR_NODE), "getPid") not in (None, first)
+
+    wait_for(stand_in, what="the supervisor that the guard starts")
+    os.kill(owner.pid, signal.SIGKILL)
+    wait_for(lambda: members(owner.pid) == [], what="the end of all")
+
+
+@pytest.mark.skipif(find_spec("rclpy") is not None, reason="ROS 2 is here")
+def test_a_plan_for_ros_2_is_refused_where_there_is_none(ros1):
+    path = ros1.folder / "two.yaml"
+    path.write_text(write_plan(Plan(app="two", ros=2)))
+    ran = ros1.rtron("guard", "--plan", path)
+    wait_for(lambda: ran.ended, what="the end")
+    assert ran.code == 2
+    assert "error: ROS 2 is not there" in ran.log
+    assert "help: " in ran.log
+
+
+def test_a_door_that_cannot_be_opened_is_refused(ros1):
+    path = ros1.folder / "rtron.yaml"
+    path.write_text(write_plan(drive_plan()))
+    door = ros1.folder / "none" / "deeper" / "door.sock"
+    ran = ros1.rtron("guard", "--plan", path, "--control", door)
+    wait_for(lambda: ran.ended, what="the end")
+    assert ran.code == 2
+    assert f"error: {door}: No such file or directory" in ran.log
+    assert "help: choose --control PATH" in ran.log
+    assert members(ran.pid) == []
+
+
+def test_a_master_that_is_not_there_is_waited_for(ros1):
+    path = ros1.folder / "rtron.yaml"
+    path.write_text(write_plan(drive_plan()))
+    master = f"http://localhost:{free_port()}"
+    ran = ros1.rtron("guard", "--plan", path, "--master", master, *named("/rtron_guard"))
+    wait_for(lambda: "does not answer" in ran.log, what="the wait")
+    ran.stop()
+    assert ran.code == 0

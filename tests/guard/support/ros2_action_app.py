@@ -1,0 +1,275 @@
+"""A guarded action on real ROS 2: server, clients and guard, each a participant of its own."""
+
+import threading
+import time
+from contextlib import suppress
+
+import rclpy
+from action_msgs.msg import GoalStatus
+from harness import wait_for
+from plans import grcn, plan_of
+from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.context import Context
+from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
+from test_msgs.action import Fibonacci
+
+from rtron.guard.core.coordinator import Host
+from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.handover_state import Will
+from rtron.guard.core.observations import senses_of
+from rtron.guard.transport.ros2.middleware import Ros2Transport
+from rtron.vocabulary import (
+    SECOND,
+    ActionEnd,
+    PolicyName,
+    StreamKind,
+    end_name,
+    flow_topic,
+    output_topic,
+    streams,
+)
+from rtron.wire.ros2.session import Session
+
+ACTION, SERVER, ONE, TWO = "/fib", "/server", "/one", "/two"
+TYPE = "test_msgs/action/Fibonacci"
+REJECTED = "rejected"
+FOUND_S = 30
+"""How long participants may take to find each other."""
+STATES = {4: "succeeded", 5: "canceled", 6: "aborted"}
+
+
+class _GoneError(BaseException):
+    """Ends a goal of a server that has left, past rclpy, which would answer it."""
+
+
+class Participant:
+    """A context with one node, spun in a thread of its own."""
+
+    def __init__(self, name, domain, *, threads=1):
+        self.context = Context()
+        self.context.init(args=[], domain_id=domain)
+        self.node = rclpy.create_node(name.strip("/"), context=self.context)
+        kind = SingleThreadedExecutor if threads == 1 else MultiThreadedExecutor
+        more = {} if threads == 1 else {"num_threads": threads}
+        self.executor = kind(context=self.context, **more)
+        self.executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+
+    def start(self):
+        self._thread.start()
+
+    def close(self):
+        self.end.destroy()
+        self.node.destroy_node()
+        self.executor.shutdown(timeout_sec=5)
+        self._thread.join()
+        self.context.try_shutdown()
+        self.context.destroy()
+
+    def _spin(self):
+        with suppress(rclpy.executors.ExternalShutdownException):
+            self.executor.spin()
+
+
+class Liar(Participant):
+    """Tells no status and takes no goals; says of every goal that it has succeeded."""
+
+    def __init__(self, domain, name):
+        super().__init__(name, domain)
+        service = end_name(output_topic(ACTION), ActionEnd.GET_RESULT)
+        self.end = self.node.create_service(Fibonacci.Impl.GetResultService, service, self._answer)
+        self.start()
+
+    def _answer(self, _request, response):
+        response.status = GoalStatus.STATUS_SUCCEEDED
+        return response
+
+
+class Server(Participant):
+    """Serves Fibonacci: goal n ends when it is told to, goal 0 at once; it notes what it does.
+
+    An order below 0 is rejected; one above 1000 is not cancelled when that is asked for.
+    """
+
+    def __init__(self, domain, name=SERVER, action=None, *, threads=4):
+        super().__init__(name, domain, threads=threads)
+        self.started, self.ended, self.cancels = [], [], []
+        self._finish = {}
+        self._closing = False
+        self.end = ActionServer(
+            self.node,
+            Fibonacci,
+            action or output_topic(ACTION),
+            self._execute,
+            goal_callback=self._admit,
+            cancel_callback=self._cancel,
+            callback_group=ReentrantCallbackGroup(),
+        )
+        self.start()
+
+    def finish(self, order):
+        self._finish.setdefault(order, threading.Event()).set()
+
+    def close(self):
+        """Leave in the middle of what is going on."""
+        self._closing = True
+        super().close()
+
+    def _admit(self, goal):
+        return GoalResponse.REJECT if goal.order < 0 else GoalResponse.ACCEPT
+
+    def _cancel(self, goal):
+        self.cancels.append(goal.request.order)
+        return CancelResponse.REJECT if goal.request.order > 1000 else CancelResponse.ACCEPT
+
+    def _execute(self, goal):
+        order = goal.request.order
+        self.started.append(order)
+        goal.publish_feedback(Fibonacci.Feedback(sequence=[order]))
+        while order and not self._finish.setdefault(order, threading.Event()).wait(0.01):
+            if self._closing:
+                raise _GoneError
+            if goal.is_cancel_requested:
+                goal.canceled()
+                self.ended.append(order)
+                return Fibonacci.Result(sequence=[-order])
+        goal.succeed()
+        self.ended.append(order)
+        return Fibonacci.Result(sequence=[order, order + 1])
+
+
+class Client(Participant):
+    """Sends goals and notes each answer: `answers` has a list of (state, sequence) by the order."""
+
+    def __init__(self, domain, name, action):
+        super().__init__(name, domain)
+        self.answers, self.handles, self.feedback, self.open = {}, {}, [], set()
+        self.end = ActionClient(self.node, Fibonacci, action)
+        self.start()
+
+    def ready(self):
+        return self.end.server_is_ready()
+
+    def ask(self, *orders):
+        for order in orders:
+            self.answers.setdefault(order, [])
+            self.open.add(order)
+            goal = Fibonacci.Goal(order=order)
+            future = self.end.send_goal_async(goal, feedback_callback=self._feedback)
+            future.add_done_callback(lambda done, order=order: self._admitted(order, done.result()))
+
+    def cancel(self, order):
+        wait_for(lambda: order in self.handles, what="the goal's acceptance")
+        return self.handles[order].cancel_goal_async()
+
+    def cancel_raw(self, **info):
+        """Send a cancel as no client library would; return the future of its answer."""
+        request = Fibonacci.Impl.CancelGoalService.Request(**info)
+        return self._raw(request)
+
+    def _raw(self, request):
+        future = rclpy.task.Future(executor=self.executor)
+        number = self.end._client_handle.send_cancel_request(request)
+        self.end._pending_cancel_requests[number] = future
+        return future
+
+    def _feedback(self, message):
+        self.feedback.append(list(message.feedback.sequence))
+
+    def _admitted(self, order, handle):
+        self.open.discard(order)
+        if not handle.accepted:
+            self.answers[order].append((REJECTED, []))
+            return
+        self.handles[order] = handle
+        handle.get_result_async().add_done_callback(
+            lambda done: self.answers[order].append(
+                (STATES.get(done.result().status), list(done.result().result.sequence))
+            )
+        )
+
+
+class Guard:
+    """The guard of the action, its loop in a thread."""
+
+    def __init__(self, domain, plan, will=None):
+        self.loop = Loop()
+        self.session = Session(domain)
+        self.transport = Ros2Transport(self.loop, self.session)
+        self.host = Host(self.transport, streams(plan), senses_of(plan), will=will)
+        self.action = self.host.guarded[0]
+        self.loop.post(self.host.open)
+        self._thread = threading.Thread(target=self.loop.run, daemon=True)
+        self._thread.start()
+
+    def do(self, what):
+        """Call something in the loop's thread and return what it returns."""
+        done, found = threading.Event(), []
+
+        def call():
+            found.append(what())
+            done.set()
+
+        self.loop.post(call)
+        assert done.wait(10)
+        return found[0]
+
+    def close(self):
+        self.loop.post(self.loop.stop)
+        self._thread.join()
+        self.transport.close()
+        self.session.context.destroy()
+        self.loop.close()
+
+
+class App2:
+    """Two approved clients, a server, and the guard between them."""
+
+    def __init__(self, domain, policy=PolicyName.FIFO_QUEUE, *, more=None, **settings):
+        self.domain = domain
+        made = grcn(
+            ACTION,
+            [ONE, TWO],
+            [SERVER],
+            type=TYPE,
+            kind=StreamKind.ACTION,
+            policy=policy,
+            max_age=60 * SECOND,
+            **settings,
+        )
+        self.plan = plan_of(made, ros=2, **(more or {}))
+        self.wills = []
+        self._parts = []
+        try:
+            self._start()
+        except BaseException:
+            self.close()
+            raise
+
+    def _start(self):
+        self.server = self.keep(Server(self.domain))
+        self.guard = self.keep(Guard(self.domain, self.plan, Will(write=self.wills.append)))
+        self.one, self.two = self.client(ONE, "flow1"), self.client(TWO, "flow2")
+        for client in (self.one, self.two):
+            wait_for(client.ready, FOUND_S, f"the action of {client.node.get_name()}")
+
+    def keep(self, part):
+        self._parts.append(part)
+        return part
+
+    def client(self, name, flow="", action=ACTION):
+        return self.keep(Client(self.domain, name, flow_topic(action, flow) if flow else action))
+
+    def end(self, part):
+        self._parts.remove(part)
+        part.close()
+
+    def close(self):
+        for part in reversed(self._parts):
+            part.close()
+
+
+def settle(seconds=0.3):
+    """Let what must not happen have time to happen; nothing waits for this."""
+    time.sleep(seconds)

@@ -1,0 +1,42 @@
+"""Any launch, guarded by any plan, is for ROS's own loader the same but for the plan's remaps."""
+
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rtron.planning.instrument import instrument, write_instrumented
+from rtron.sources.launch.ros1.reader import read_launch
+
+sys.path.append(str(Path(__file__).parents[1] / "ros1"))
+from guarded_launch import assert_guarded
+from launch_strategies import launches
+from plans import grcn, plan_of
+from roslaunch_oracle import write_files
+
+TOPICS = ("/a", "/g/a", "/b")
+COMMAND = ("sleep", "1000")
+
+
+@st.composite
+def plans(draw, nodes):
+    some = st.lists(st.sampled_from([*nodes, "/absent"]), max_size=3, unique=True)
+    topics = draw(st.lists(st.sampled_from(TOPICS), unique=True))
+    return plan_of(*(grcn(topic, draw(some), draw(some)) for topic in topics))
+
+
+@pytest.mark.ros1
+@settings(max_examples=200, deadline=None)
+@given(files=launches(), data=st.data())
+def test_any_guarded_launch_is_the_original_but_for_the_plans_remaps(ros, files, data):
+    with tempfile.TemporaryDirectory() as folder:
+        app = write_files(Path(folder), files) / "app.launch"
+        tree = read_launch(app, {}, {}, {})
+        plan = data.draw(plans([node.name for node in tree.nodes()]))
+        out = Path(folder, "elsewhere", "guarded.launch")
+        write_instrumented(instrument(tree, plan, out, plan_text="", command=COMMAND))
+        original, guarded = ros.load(app), ros.load(out)
+    assert_guarded(original, guarded, plan, TOPICS)

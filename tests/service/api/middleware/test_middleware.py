@@ -1,0 +1,599 @@
+import http.client
+import json
+import socket
+import threading
+import time
+
+import pytest
+from harness import wait_for
+from service_app import People, served
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from rtron.service.api.middleware import request_body
+from rtron.service.api.middleware.hosts import host_name
+from rtron.service.api.middleware.nesting import DEEPEST, is_too_deep
+from rtron.service.api.middleware.request_body import MOST, MOST_OF_GRAPH
+from rtron.service.config import Config
+from rtron.service.server.app import create_app
+from rtron.service.server.connection_limit import MOST as MOST_OF_ONE
+from rtron.service.server.connection_limit import MOST_NEAR, Crowd
+
+HEADERS = {
+    "content-security-policy",
+    "x-content-type-options",
+    "x-frame-options",
+    "referrer-policy",
+    "permissions-policy",
+    "cross-origin-opener-policy",
+    "cross-origin-resource-policy",
+}
+
+
+@pytest.fixture(scope="module")
+def app(tmp_path_factory):
+    return create_app(Config(database=tmp_path_factory.mktemp("gates") / "rtron.db"))
+
+
+@pytest.fixture(scope="module")
+def port(app):
+    with served(app) as port:
+        yield port
+
+
+@pytest.fixture(scope="module")
+def people(app):
+    return People(app.state.service)
+
+
+@pytest.fixture
+def own_app(tmp_path):
+    return create_app(Config(database=tmp_path / "rtron.db"))
+
+
+@pytest.fixture
+def raw(port):
+    """Send bytes and return the head of the answer, until the other side closes or is done."""
+
+    def send(*parts, close=True):
+        with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+            for part in parts:
+                sock.sendall(part)
+            return http_answer(sock)
+
+    return send
+
+
+def http_answer(sock):
+    response = http.client.HTTPResponse(sock)
+    response.begin()
+    return response.status, dict(response.getheaders()), response.read()
+
+
+def chunk(data):
+    return f"{len(data):x}\r\n".encode() + data + b"\r\n"
+
+
+# hosts
+
+
+@pytest.mark.parametrize(
+    "host", ["localhost", "127.0.0.1", "[::1]", "LOCALHOST:80", "[::1]:8600", "127.0.0.1:1"]
+)
+def test_loopback_names_are_known(raw, host):
+    assert raw(f"GET /healthz HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())[0] == 200
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "evil.example",
+        "localhost.evil.example",
+        "localhost:80@evil.example",
+        "127.0.0.1.evil.example",
+        "localhost evil",
+        "",
+        "localhost,evil.example",
+        "[::1",
+        "0.0.0.0",
+    ],
+)
+def test_other_names_are_not(raw, host):
+    status, _, _ = raw(f"GET /healthz HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+    assert status in {400, 421}
+
+
+def test_a_request_without_a_host_and_with_two(raw):
+    assert raw(b"GET /healthz HTTP/1.0\r\n\r\n")[0] == 421
+    two = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nHost: localhost\r\n\r\n"
+    assert raw(two)[0] in {400, 421}
+
+
+def test_a_socket_needs_a_known_host_too(port, people):
+    headers = people.token("t", "read")
+    with (
+        socket.create_connection(("127.0.0.1", port)) as sock,
+        pytest.raises(InvalidStatus) as refused,
+        connect("ws://evil.example/api/v1/live", sock=sock, additional_headers=headers),
+    ):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+def test_more_names_can_be_allowed(tmp_path):
+    config = Config(database=tmp_path / "r.db", allowed_hosts=("Robots.example",))
+    with served(create_app(config)) as port:
+        connection = http.client.HTTPConnection("127.0.0.1", port)
+        for host, status in (("robots.example:1", 200), ("robots.example.org", 421)):
+            connection.request("GET", "/healthz", headers={"Host": host})
+            answer = connection.getresponse()
+            answer.read()
+            assert answer.status == status
+
+
+@pytest.mark.parametrize(
+    ("host", "name"),
+    [
+        ("a:1", "a"),
+        ("A", "a"),
+        ("[::1]:2", "::1"),
+        ("[::1]", "::1"),
+        ("::1", "::1"),
+        ("a:", "a:"),
+        ("a:b", "a:b"),
+        (":1", ""),
+        ("", ""),
+    ],
+)
+def test_the_name_in_a_host_header(host, name):
+    assert host_name(host) == name
+
+
+# origins
+
+
+def origin_status(client, headers, **origin):
+    given = headers | {name.replace("_", "-"): value for name, value in origin.items()}
+    return client.post("/api/v1/users", json={}, headers=given).status_code
+
+
+def test_changes_come_from_our_own_pages_or_from_programs(client, port, admin):
+    own = f"http://127.0.0.1:{port}"
+    assert origin_status(client, admin) == 422
+    assert origin_status(client, admin, Origin=own) == 422
+    assert origin_status(client, admin, Origin=own, Sec_Fetch_Site="same-origin") == 422
+
+
+@pytest.mark.parametrize(
+    "origin",
+    [
+        "http://evil.example",
+        "null",
+        "http://127.0.0.1:1",
+        "file://",
+        "",
+        "http://[",
+        "http://127.0.0.1",
+    ],
+)
+def test_changes_from_other_pages_are_refused(client, admin, origin):
+    assert origin_status(client, admin, Origin=origin) == 403
+
+
+@pytest.mark.parametrize("site", ["cross-site", "same-site"])
+def test_browsers_that_tell_the_site_are_believed(client, admin, site):
+    assert origin_status(client, admin, Sec_Fetch_Site=site) == 403
+
+
+def test_a_login_from_another_page_is_refused(client):
+    answer = client.post("/api/v1/login", json={}, headers={"Origin": "http://evil.example"})
+    assert answer.status_code == 403
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", None])
+def test_a_socket_from_another_page_is_refused(port, people, origin):
+    headers = people.session("mary", "end_user")
+    given = {"origin": origin, "additional_headers": headers, "proxy": None}
+    url = f"ws://127.0.0.1:{port}/api/v1/live"
+    with pytest.raises(InvalidStatus) as refused, connect(url, **given):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+# bodies
+
+
+def put(path="/api/v1/users"):
+    return f"POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n".encode()
+
+
+@pytest.mark.parametrize(("length", "status"), [(MOST, 422), (MOST + 1, 413), (1 << 40, 413)])
+def test_a_body_is_bounded_by_what_it_says(raw, length, status):
+    head = put() + f"Content-Length: {length}\r\n\r\n".encode()
+    answer = raw(head, b"0" * min(length, MOST) if status == 422 else b"")
+    assert answer[0] == status
+    if status == 413:
+        assert json.loads(answer[2])["error"] == "more than 1 MiB"
+
+
+@pytest.mark.parametrize(("more", "status"), [(0, 422), (1, 413)])
+def test_a_body_in_chunks_is_bounded_by_what_comes(raw, more, status):
+    chunks = [chunk(b"0" * (MOST // 16))] * 16
+    head = put() + b"Transfer-Encoding: chunked\r\n\r\n"
+    tail = (chunk(b"0") if more else b"") + b"0\r\n\r\n"
+    assert raw(head, *chunks, tail)[0] == status
+
+
+def test_a_body_without_end_is_refused_while_it_comes(port):
+    with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        sock.sendall(put() + b"Transfer-Encoding: chunked\r\n\r\n")
+        sent = 0
+        try:
+            while sent < 64 * MOST:
+                sock.sendall(chunk(b"0" * 65536))
+                sent += 65536
+        except OSError:
+            pass
+        assert sent < 64 * MOST
+
+
+def test_a_graph_may_be_larger(client, raw, people):
+    """Who sends too much whole may find the connection closed before the answer has come."""
+    token = people.token("dev", "developer")
+    headers = token | {"Content-Type": "application/json"}
+    path = "/api/v1/robots/car1/graph"
+    spaces = b"{}" + b" " * (MOST_OF_GRAPH - 2)
+    assert client.put(path, content=spaces, headers=headers).status_code not in {413, 500}
+    lines = "".join(f"{name}: {value}\r\n" for name, value in headers.items())
+    for method, where, length in (
+        ("PUT", path, MOST_OF_GRAPH + 1),
+        ("POST", path, MOST_OF_GRAPH),
+        ("PUT", f"{path}/x", MOST_OF_GRAPH),
+    ):
+        head = f"{method} {where} HTTP/1.1\r\nHost: localhost\r\n{lines}"
+        assert raw(f"{head}Content-Length: {length}\r\n\r\n".encode())[0] == 413
+
+
+def test_a_body_that_does_not_come_is_not_waited_for(own_app):
+    gate = next(each for each in own_app.user_middleware if each.cls is request_body.Bodies)
+    gate.kwargs["patience"] = 0.2
+    with served(own_app) as port, socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        sock.sendall(put() + b"Content-Length: 10\r\n\r\n12345")
+        assert http_answer(sock)[0] == 408
+
+
+@pytest.mark.parametrize(
+    "headers", [{"Content-Length": MOST + 1}, {"Transfer-Encoding": "chunked"}]
+)
+@pytest.mark.parametrize(("role", "status"), [("", 401), ("end_user", 403), ("read", 403)])
+def test_a_large_body_is_not_read_from_who_may_not_upload(port, people, headers, role, status):
+    given = {"Host": "localhost", **(people.token("t", role) if role else {}), **headers}
+    head = "".join(f"{name}: {value}\r\n" for name, value in given.items())
+    with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        sock.sendall(b"PUT /api/v1/robots/x/graph HTTP/1.1\r\n" + head.encode() + b"\r\n")
+        if "Transfer-Encoding" in headers:
+            sock.sendall(chunk(b" " * (MOST + 1)))
+        assert http_answer(sock)[0] == status
+
+
+def test_one_large_body_is_read_at_a_time(port, people):
+    token = people.token("dev", "developer")["Authorization"]
+    head = (
+        b"PUT /api/v1/robots/x/graph HTTP/1.1\r\nHost: localhost\r\n"
+        b"Authorization: " + token.encode() + b"\r\n"
+        b"Content-Length: " + str(MOST_OF_GRAPH).encode() + b"\r\n\r\n"
+    )
+    socks = [socket.create_connection(("127.0.0.1", port), timeout=30) for _ in range(2)]
+    for sock in socks:
+        sock.sendall(head)
+    refused = wait_for(lambda: next(filter(_has_answer, socks), None))
+    assert http_answer(refused)[0] == 503
+    for sock in socks:
+        sock.close()
+
+
+def _has_answer(sock):
+    sock.settimeout(0)
+    try:
+        return bool(sock.recv(1, socket.MSG_PEEK))
+    except BlockingIOError:
+        return False
+    finally:
+        sock.settimeout(30)
+
+
+@pytest.mark.parametrize(
+    ("document", "deep"),
+    [
+        (b"[" * DEEPEST + b"]" * DEEPEST, False),
+        (b"[" * (DEEPEST + 1) + b"]" * (DEEPEST + 1), True),
+        (b'{"a":' * (DEEPEST + 1), True),
+        (b'"' + b"[" * 100 + b'"', False),
+        (b'"\\"' + b"[" * 100 + b'"', False),
+        (b'"\\\\"' + b"[" * 100, True),
+        (b'["' + b"]" * 50 + b'"' + b"[" * DEEPEST, True),
+        (b"[]" * 1000, False),
+        (b'"' + b"[" * 100, False),
+        (b'"\\', False),
+        (b"", False),
+        (b'"' + b"x" * 65535 + b"[" * 50 + b'"', False),
+        (b'"' + b"x" * 65534 + b'"' + b"[" * 50, True),
+        (b'"' + b"x" * 65534 + b'\\"' + b"[" * 50 + b'"', False),
+        (b"[" * 30 + b" " * 65536 + b"[" * 11, True),
+        (b"[" * 30 + b" " * 65536 + b"]" * 30 + b"[" * 40, False),
+    ],
+)
+def test_nesting(document, deep):
+    assert is_too_deep(document) is deep
+
+
+def test_nesting_takes_linear_time():
+    began = time.process_time()
+    for document in (b'"\\"' * 350_000, b'"' + b'\\"' * 500_000, b"[" * MOST, b'"\\' * 500_000):
+        is_too_deep(document)
+    assert time.process_time() - began < 5
+
+
+def test_nesting_lets_other_threads_go_on():
+    """The longest pause of another thread is short beside the whole, and beside a second."""
+    document = b'"",' * (MOST_OF_GRAPH // 3) + b"[]" * DEEPEST
+    pauses, is_over = [0.0], threading.Event()
+
+    def tick():
+        last = time.monotonic()
+        while not is_over.wait(0.001):
+            now = time.monotonic()
+            pauses.append(now - last)
+            last = now
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    is_too_deep(document)
+    is_over.set()
+    thread.join()
+    assert max(pauses) < 1
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"[" * 100_000,
+        b'{"a":' * 1000,
+        b'{"name": "a\\u0000b"}',
+        b'{"name": "a\0b"}',
+        b"{",
+        b"\xff",
+        b"",
+    ],
+)
+def test_bad_json_is_a_problem_and_nothing_else(client, admin, content):
+    headers = admin | {"Content-Type": "application/json"}
+    answer = client.post("/api/v1/users", content=content, headers=headers)
+    assert answer.status_code in {400, 422}
+    assert answer.json().keys() == {"error", "help"}
+
+
+@pytest.mark.parametrize("path", ["/api/v1/events?text=%00", "/api/v1/robots/a%00b"])
+def test_no_nul_in_addresses(client, admin, path):
+    assert client.get(path, headers=admin).status_code == 400
+
+
+# headers
+
+
+@pytest.mark.parametrize(
+    ("method", "path"),
+    [
+        ("GET", "/"),
+        ("GET", "/healthz"),
+        ("GET", "/nothing"),
+        ("GET", "/api/v1/me"),
+        ("POST", "/api/v1/login"),
+        ("DELETE", "/healthz"),
+        ("GET", "/openapi.json"),
+        ("GET", "/console/x/../../etc/passwd"),
+    ],
+)
+def test_every_answer_has_the_security_headers(client, method, path):
+    answer = client.request(method, path)
+    assert answer.headers.keys() >= HEADERS
+    assert "default-src 'self'" in answer.headers["content-security-policy"]
+    assert "unsafe" not in answer.headers["content-security-policy"]
+    assert "server" not in answer.headers
+    assert "strict-transport-security" not in answer.headers
+
+
+def test_refusals_of_the_gates_have_them_too(raw):
+    _, headers, body = raw(b"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n")
+    assert {name.lower() for name in headers} >= HEADERS
+    assert json.loads(body).keys() == {"error", "help"}
+
+
+def test_failures_have_them_and_tell_nothing(app, client, caplog):
+    @app.get("/failing")
+    def failing():
+        raise ZeroDivisionError("inner secret")
+
+    answer = client.get("/failing")
+    assert answer.status_code == 500
+    assert answer.headers.keys() >= HEADERS
+    assert "inner" not in answer.text
+    assert "ZeroDivisionError" in caplog.text
+
+
+@pytest.mark.parametrize("path", ["/api/v1/me", "/metrics", "/healthz", "/readyz"])
+def test_no_cache_keeps_what_the_api_says(client, path):
+    assert client.get(path).headers["cache-control"] == "no-store"
+
+
+def test_no_page_loads_anything_from_elsewhere(client):
+    assert client.get("/docs").status_code == 404
+    assert client.get("/redoc").status_code == 404
+    assert client.get("/openapi.json").json()["info"]["title"] == "RTron security service"
+
+
+# paths and heads
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/../../../../etc/passwd",
+        "/console/../../../etc/passwd",
+        "/console/%2e%2e/%2e%2e/etc/passwd",
+        "/console/x/..%2f..%2f..%2fetc/passwd",
+        "//etc/passwd",
+        "/api/v1/robots/../../../etc/passwd",
+        "/api/v1/robots/%2e%2e%2f%2e%2e%2fetc%2fpasswd",
+        "/api/v1/robots/..%5c..%5cetc",
+        "/console/\\..\\..\\etc",
+    ],
+)
+def test_no_path_leads_out(raw, people, path):
+    token = people.token("t", "admin")["Authorization"]
+    head = f"GET {path} HTTP/1.1\r\nHost: localhost\r\nAuthorization: {token}\r\n\r\n"
+    status, _, body = raw(head.encode())
+    assert status in {400, 404, 422}
+    assert b"root:" not in body
+
+
+@pytest.mark.parametrize(
+    "name", ["x%0d%0aSet-Cookie:%20a=b", "x%0aX-Evil:1", "%0d%0a%0d%0a<script>"]
+)
+def test_no_header_is_injected(client, people, name):
+    headers = people.token("t", "admin")
+    for answer in (
+        client.get(f"/api/v1/robots/{name}", headers=headers),
+        client.delete(f"/api/v1/users/{name}", headers=headers),
+        client.get(f"/console/{name}/{name}"),
+    ):
+        assert answer.status_code in {404, 422}
+        assert "set-cookie" not in answer.headers
+        assert "x-evil" not in answer.headers
+        assert answer.headers["content-type"] == "application/json"
+
+
+def test_a_long_head_is_refused(raw):
+    head = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 2_000_000 + b"\r\n\r\n"
+    try:
+        assert raw(head)[0] == 400
+    except ConnectionError:
+        return  # it was closed before all was sent
+
+
+def test_a_head_that_does_not_come_ends_the_connection(own_app, monkeypatch):
+    monkeypatch.setattr("rtron.service.server.http._PATIENCE_S", 0.2)
+    with served(own_app) as port:
+        for said in (b"", b"GET / HTTP/1.1\r\nHost: loc"):
+            with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+                sock.sendall(said)
+                assert sock.recv(100) == b""
+        with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+            request = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+            sock.sendall(request)
+            assert http_answer(sock)[0] == 200
+            sock.sendall(request[:20])
+            assert sock.recv(100) == b""
+
+
+@pytest.mark.parametrize("method", ["GET", "POST"])
+def test_a_body_that_does_not_come_ends_the_connection(own_app, monkeypatch, method):
+    """Also where it drips, and where the answer is there already."""
+    monkeypatch.setattr("rtron.service.server.http._BODY_S", 0.5)
+    monkeypatch.setattr("rtron.service.server.http._IDLE_S", 60)
+    head = f"{method} /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n"
+    with (
+        served(own_app) as port,
+        socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
+    ):
+        sock.sendall(head.encode())
+        sock.settimeout(0.05)
+        wait_for(lambda: _has_ended(sock))
+
+
+def _has_ended(sock):
+    """Send one more byte of the body; tell whether the connection is over."""
+    try:
+        sock.sendall(b"x")
+        return sock.recv(10_000) == b""
+    except TimeoutError:
+        return False
+    except OSError:
+        return True
+
+
+def test_an_idle_connection_ends(own_app, monkeypatch):
+    monkeypatch.setattr("rtron.service.server.http._IDLE_S", 0.2)
+    with served(own_app) as port, socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        sock.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        assert http_answer(sock)[0] == 200
+        sock.settimeout(4)
+        assert sock.recv(100) == b""
+
+
+def test_no_address_has_all_connections(own_app, monkeypatch, people):
+    monkeypatch.setattr("rtron.service.server.connection_limit.MOST_NEAR", 3)
+    with served(own_app) as port:
+        place = ("127.0.0.1", port)
+        socks = [socket.create_connection(place, timeout=30) for _ in range(3)]
+        with socket.create_connection(place, timeout=30) as sock:
+            assert _refused(sock)
+        socks.pop().close()
+        wait_for(lambda: _is_served(place))
+        for sock in socks:
+            sock.close()
+
+
+def _refused(sock):
+    try:
+        return sock.recv(1) == b""
+    except ConnectionError:
+        return True
+
+
+def _is_served(place):
+    with socket.create_connection(place, timeout=30) as sock:
+        try:
+            sock.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            return http_answer(sock)[0] == 200
+        except (ConnectionError, http.client.HTTPException):
+            return False
+
+
+def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
+    """Many guards may be behind one address; their tokens bound them."""
+    monkeypatch.setattr("rtron.service.server.connection_limit.MOST_NEAR", 1)
+    headers = People(own_app.state.service).token("t", "read")
+    with served(own_app) as port:
+        options = {"additional_headers": headers, "proxy": None}
+        url = f"ws://127.0.0.1:{port}/api/v1/live"
+        with connect(url, **options), connect(url, **options):
+            assert len(own_app.state.sockets) == 2
+
+
+@pytest.mark.parametrize(
+    ("address", "most"),
+    [
+        ("127.0.0.1", MOST_NEAR),
+        ("::1", MOST_NEAR),
+        ("::ffff:127.0.0.1", MOST_NEAR),
+        ("10.1.2.3", MOST_NEAR),
+        ("", MOST_NEAR),
+        ("192.168.1.1", MOST_OF_ONE),
+        ("2001:db8::1", MOST_OF_ONE),
+    ],
+)
+def test_how_many_connections_an_address_may_have(address, most):
+    crowd = Crowd(("10.0.0.0/8",))
+    assert all(crowd.enter(address) for _ in range(most))
+    assert not crowd.enter(address)
+    crowd.leave(address)
+    assert crowd.enter(address)
+    assert crowd.enter("203.0.113.1")
+
+
+def test_neighbours_of_ipv6_are_one():
+    crowd = Crowd(())
+    assert all(crowd.enter(f"2001:db8::{number:x}") for number in range(MOST_OF_ONE))
+    assert not crowd.enter("2001:db8::ffff")
+    assert crowd.enter("2001:db8:0:1::1")

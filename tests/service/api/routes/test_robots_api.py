@@ -1,0 +1,374 @@
+"""The routes of robots and graphs, over HTTP in this process."""
+
+import httpx
+import pytest
+from controller_setup import hello, plan
+from service_app import served
+
+from rtron.service.config import Config
+from rtron.service.controller import graphs
+from rtron.service.domain.schemas import Scope
+from rtron.service.server.app import create_app
+from rtron.service.store.accounts.tokens import TokenWish, create_token
+from rtron.service.store.events import Batch, add_events
+from rtron.service.store.robots import find_robot
+from rtron.vocabulary import Decision, EventKind, GuardEvent, GuardState, PolicyName
+from rtron.wire.common.link_protocol import Applied
+
+ROBOT = "/api/v1/robots/r2"
+
+
+@pytest.fixture
+def service(tmp_path):
+    app = create_app(Config(database=tmp_path / "rtron.db"))
+    found = app.state.service
+    found.controller.greet("r2", hello(plan()))
+    yield found, app
+    found.database.close()
+
+
+@pytest.fixture
+def parts(service):
+    return service[0]
+
+
+@pytest.fixture
+def tokens(parts):
+    """The secret of a token for each scope."""
+    made = {}
+    with parts.database.session() as session:
+        for scope in Scope:
+            robot = "r2" if scope is Scope.GUARD else None
+            wish = TokenWish(name=scope.value, scopes=[scope], robot=robot, days=None)
+            made[scope.value] = create_token(session, parts.clock(), "test", wish)[1]
+    return made
+
+
+@pytest.fixture
+def call(service, tokens):
+    """Call a path below the robot's as somebody, and return the status and the JSON."""
+
+    def call(method, path="", *, who="developer", base=ROBOT, **keys):
+        headers = {"Authorization": f"Bearer {tokens[who]}"}
+        answer = client.request(method, base + path, headers=headers, **keys)
+        return answer.status_code, answer.json()
+
+    with served(service[1]) as port, httpx.Client(base_url=f"http://127.0.0.1:{port}") as client:
+        yield call
+
+
+class Link:
+    def push(self, settings):
+        self.settings = settings
+
+    def replace(self):
+        """Nothing is replaced here."""
+
+
+def test_robots_in_short(call, parts):
+    link = Link()
+    parts.hub.join("r2", link, dry_run=True)
+    parts.hub.lose("r2", 3)
+    parts.hub.update("r2", link, GuardState(at=5, revision=0))
+    parts.controller.greet("a1", hello(plan(), app="other"))
+    status, (a1, r2) = call("GET", base="/api/v1/robots", who="read")
+    assert (status, a1["name"], a1["app"], a1["connected"], a1["state"]) == (
+        200,
+        "a1",
+        "other",
+        False,
+        None,
+    )
+    assert r2 == call("GET")[1]
+    assert (r2["connected"], r2["dry_run"], r2["dropped"], r2["state"]["at"]) == (True, True, 3, 5)
+    assert (r2["revision"], r2["outcome"], r2["stop"], r2["ros"]) == (0, "pending", None, 1)
+
+
+def test_a_change_goes_to_the_guard_that_is_connected(call, parts):
+    link = Link()
+    parts.hub.join("r2", link, dry_run=False)
+    change = {"revision": 0, "nodes": {"drive": {"policy": "Block"}}, "reason": "why"}
+    status, view = call("PATCH", "/settings", json=change)
+    assert (status, view["revision"], view["by"]) == (200, 1, "token:developer")
+    assert link.settings.nodes["drive"].policy is PolicyName.BLOCK
+    parts.controller.answered("r2", Applied(revision=1))
+    assert call("GET", "/settings", who="read")[1]["outcome"] == "applied"
+    assert call("GET")[1]["outcome"] == "applied"
+
+
+def test_the_one_who_was_overtaken_is_told_the_newest(call):
+    change = {"revision": 0, "nodes": {"drive": {"policy": "Block"}}}
+    view = call("PATCH", "/settings", json=change)[1]
+    status, told = call("PATCH", "/settings", json=change)
+    assert (status, told["newest"]) == (409, view)
+    assert told["error"] == "the settings are at revision 1, made by token:developer"
+
+
+@pytest.mark.parametrize(
+    ("change", "status"),
+    [
+        ({"revision": 0, "nodes": {"drive": {"polcy": 1}}}, 422),
+        ({"revision": 0, "nodes": {"drive": None}}, 422),
+        ({"revision": -1, "nodes": {}}, 422),
+        ({"revision": 1 << 53, "nodes": {}}, 422),
+        ({"revision": 0, "nodes": {}, "more": 1}, 422),
+        ({"revision": 0, "nodes": {}, "reason": "r" * 201}, 422),
+        ({"revision": 0, "nodes": {"speed": {"policy": "Block"}}}, 403),
+        ({"revision": 5, "nodes": {}}, 409),
+        ({"revision": 0, "nodes": {}}, 200),
+    ],
+)
+def test_a_change_and_its_status(call, change, status):
+    assert call("PATCH", "/settings", json=change)[0] == status
+
+
+def test_the_history_is_paged(call):
+    for revision in range(5):
+        priority = {"drive": {"flows": {"flow1": {"priority": 10 + revision}}}}
+        call("PATCH", "/settings", json={"revision": revision, "nodes": priority})
+    page = call("GET", "/settings/history?limit=2")[1]
+    assert [view["revision"] for view in page] == [5, 4]
+    page = call("GET", "/settings/history?limit=200&before=4")[1]
+    assert [view["revision"] for view in page] == [3, 2, 1, 0]
+    assert call("GET", "/settings/history?limit=0")[0] == 422
+
+
+def test_overrides_and_the_stop(call):
+    path = "/nodes/speed/override"
+    body = {"duration": 60, "reason": "docking"}
+    assert call("POST", path, json=body, who="end_user")[0] == 200
+    assert call("GET", "/nodes/speed")[1]["override"]["reason"] == "docking"
+    assert call("DELETE", path)[1]["settings"]["overrides"] == {}
+    assert call("POST", path, json={"duration": 3601, "reason": "docking"})[0] == 422
+    assert call("POST", path, json=body, who="admin")[0] == 403
+    assert call("POST", "/nodes/nothing/override", json=body)[0] == 404
+    assert call("POST", "/stop", who="admin")[1]["settings"]["stop"]["by"] == "token:admin"
+    assert call("GET")[1]["stop"]["by"] == "token:admin"
+    revision = call("GET")[1]["revision"]
+    for short in ({"reason": "", "revision": revision}, {"reason": "all clear"}, {"revision": 1}):
+        assert call("DELETE", "/stop", json=short)[0] == 422
+    call("POST", "/stop", json={"reason": "me too"}, who="end_user")
+    body = {"reason": "all clear", "revision": revision}
+    status, said = call("DELETE", "/stop", json=body, who="admin")
+    assert (status, said["newest"]["revision"]) == (409, revision + 1)
+    assert said["newest"]["settings"]["stop"]["reason"] == "me too"
+    body["revision"] += 1
+    assert call("DELETE", "/stop", json=body)[1]["settings"]["stop"] is None
+
+
+def test_a_node_has_what_the_console_shows(call):
+    status, node = call("GET", "/nodes/speed", who="end_user")
+    assert status == 200
+    assert (node["id"], node["type"], node["mode"]) == ("speed", "RSRCN", "enforce")
+    assert node["topics"] == ["/max_vel"]
+    assert node["policies"] == ["Block", "Safe", "Constrain", "Safe+Constrain"]
+    assert node["rights"] == ["override", "select_policy", "set_max_vel_limit"]
+    assert call("GET", "/nodes/speed", who="read")[1]["rights"] == []
+    limit = {"speed": {"max_vel_limit": 0.3}}
+    call("PATCH", "/settings", json={"revision": 0, "nodes": limit}, who="end_user")
+    node = call("GET", "/nodes/speed")[1]
+    found = [node[key]["max_vel_limit"] for key in ("plan", "effective", "settings")]
+    assert found == [0.5, 0.3, 0.3]
+    assert call("GET", "/nodes")[1][1] == node
+
+
+def test_policies_that_would_deselect_a_mandatory_one_are_not_offered(call, parts):
+    from controller_setup import swapped  # noqa: PLC0415 - only here
+
+    given = swapped("policy: Safe", "policy: Safe\n  mandatory: Safe")
+    parts.controller.greet("r2", hello(given))
+    node = call("GET", "/nodes/speed")[1]
+    assert (node["policies"], node["mandatory"]) == (["Safe", "Safe+Constrain"], ["Safe"])
+
+
+def violate(parts, node, **keys):
+    event = GuardEvent(
+        **{
+            "run": "r1",
+            "number": 1,
+            "at": 77,
+            "kind": EventKind.VERDICT,
+            "decision": Decision.DROP,
+            "node": node,
+            "topic": "/cmd_vel",
+            **keys,
+        }
+    )
+    with parts.database.session() as session:
+        robot = find_robot(session, "r2")[0]
+        add_events(session, parts.clock(), [Batch(robot.id, "r2", [event])])
+
+
+@pytest.mark.parametrize(
+    ("node", "keys", "rule", "cause", "details"),
+    [
+        (
+            "drive",
+            {"flow": "unapproved", "publisher": "/evil", "reason": "not approved"},
+            "only the publishers that the plan names may speak on /cmd_vel",
+            "/evil on /cmd_vel",
+            "drop: not approved (settings 0)",
+        ),
+        (
+            "drive",
+            {"flow": "flow2", "reason": "flow1 has it", "revision": 4},
+            "Preemption on /cmd_vel: the highest priority that speaks controls it",
+            "flow2 on /cmd_vel",
+            "drop: flow1 has it (settings 4)",
+        ),
+        (
+            "speed",
+            {"publisher": "/lane", "topic": "/max_vel", "decision": Decision.MODIFY},
+            "Safe: at most 0.02 m a frame",
+            "/lane on /max_vel",
+            "modify (settings 0)",
+        ),
+        (
+            "mission",
+            {"publisher": "/user", "topic": "/goal", "reason": "rule quiet: night is 1"},
+            "quiet: night",
+            "/user on /goal",
+            "drop: rule quiet: night is 1 (settings 0)",
+        ),
+    ],
+)
+def test_the_last_violation_in_the_papers_words(call, parts, node, keys, rule, cause, details):
+    violate(parts, node, **keys)
+    shown = call("GET", f"/nodes/{node}")[1]
+    assert shown["trigger_time"] == 77
+    assert shown["violated_rule"] == rule
+    assert shown["violation_cause"] == cause
+    assert shown["violation_details"] == details
+
+
+def test_without_a_violation_there_is_none(call):
+    shown = call("GET", "/nodes/drive")[1]
+    assert (shown["trigger_time"], shown["violated_rule"]) == (None, "")
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["", "/plan", "/nodes", "/nodes/drive", "/settings", "/settings/history", "/graph", "/risks"],
+)
+def test_an_unknown_robot_is_not_found(call, path):
+    assert call("GET", path, base="/api/v1/robots/r9")[0] == 404
+    assert call("GET", path, base="/api/v1/robots/..%2Fr2")[0] in (404, 422)
+
+
+def test_a_robot_without_an_app(call, parts):
+    from rtron.service.store.robots import meet_robot  # noqa: PLC0415 - only here
+
+    with parts.database.session() as session:
+        meet_robot(session, "bare", 5)
+    base = "/api/v1/robots/bare"
+    assert call("GET", base=base)[1]["app"] is None
+    assert call("GET", "/settings", base=base)[0] == 404
+    assert call("POST", "/stop", base=base)[0] == 404
+
+
+def test_the_plan_is_as_the_guard_says_it(call):
+    assert call("GET", "/plan")[1]["grcn"][0]["flows"][0]["name"] == "flow1"
+
+
+# Graphs.
+
+END = {"topic": "/cmd_vel", "type": "geometry_msgs/Twist"}
+GRAPH = {
+    "schema": "rtron.graph/1",
+    "app": "small",
+    "endpoints": [
+        {"node": "/teleop", "direction": "publish", **END},
+        {"node": "/evil", "direction": "publish", **END},
+        {"node": "/base", "direction": "subscribe", **END},
+    ],
+}
+
+
+def test_without_an_upload_the_plan_tells_the_graph(call):
+    page = call("GET", "/graph", who="read")[1]
+    assert (page["source"], page["uploaded"], page["by"]) == ("plan", None, "")
+    names = [node["name"] for node in page["nodes"]]
+    assert {"/teleop", "/planner", "/base", "/lane", "/signs"} <= set(names)
+    assert [each["kind"] for each in page["coordination"]] == [
+        "GRCN",
+        "fps_monitor",
+        "RSRCN",
+        "MSRCN",
+    ]
+    topics = {topic["name"]: topic for topic in page["topics"]}
+    assert topics["/cmd_vel"]["domain"] == "Control"
+    assert call("GET", "/risks")[1]["source"] == "plan"
+
+
+def test_an_uploaded_graph_is_shown_with_its_risks(call):
+    status, risks = call("PUT", "/graph", json=GRAPH)
+    assert (status, risks["schema"]) == (200, "rtron.risks/1")
+    page = call("GET", "/graph")[1]
+    assert (page["source"], page["by"]) == ("uploaded", "token:developer")
+    assert "/evil" in [node["name"] for node in page["nodes"]]
+    shown = call("GET", "/risks", who="read")[1]
+    assert shown == {"source": "uploaded", **risks}
+    node = call("GET", "/nodes/drive")[1]
+    (risk,) = [risk for risk in node["risk_information"]["risks"] if risk["kind"] == "GR-ST"]
+    assert risk["role_nodes"]["publisher"] == ["/evil", "/teleop"]
+
+
+def test_a_second_upload_replaces_the_first(call):
+    call("PUT", "/graph", json=GRAPH)
+    quiet = {"schema": "rtron.graph/1", "app": "quiet"}
+    assert call("PUT", "/graph", json=quiet)[1]["risks"] == []
+    assert call("GET", "/risks")[1]["risks"] == []
+
+
+def test_risks_stay_under_a_new_plan(call, parts):
+    from controller_setup import swapped  # noqa: PLC0415 - only here
+
+    call("PUT", "/graph", json=GRAPH)
+    parts.controller.greet("r2", hello(swapped("id: drive", "id: wheels")))
+    risks = call("GET", "/nodes/wheels")[1]["risk_information"]["risks"]
+    assert "GR-ST:/cmd_vel" in [risk["id"] for risk in risks]
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        (b"", "not JSON"),
+        (b"[1, 2", "not JSON"),
+        (b"[]", "the document"),
+        (b'{"schema": "rtron.plan/1"}', "schema"),
+        (b'{"schema": "rtron.graph/1", "nodse": []}', "nodse"),
+    ],
+)
+def test_a_graph_that_is_none(call, body, told):
+    status, problem = call("PUT", "/graph", content=body)
+    assert status == 422
+    assert told in problem["error"]
+    entry = call("GET", "/audit", base="/api/v1", who="admin")[1]["entries"][0]
+    assert (entry["action"], entry["outcome"][:9]) == ("graph", "refused: ")
+
+
+def test_graphs_are_bounded(call, monkeypatch):
+    monkeypatch.setattr(graphs, "MOST_ENDPOINTS", 5)
+    assert call("PUT", "/graph", json=GRAPH)[0] == 422
+    monkeypatch.setattr(graphs, "MOST_ENDPOINTS", 6)
+    assert call("PUT", "/graph", json=GRAPH)[0] == 200
+    monkeypatch.setattr(graphs, "MOST_RISKS", 0)
+    assert call("PUT", "/graph", json=GRAPH)[0] == 422
+
+
+def test_a_name_that_no_database_holds_is_refused(call):
+    ends = [{**end, "topic": "/" + "t" * 300} for end in GRAPH["endpoints"]]
+    assert call("PUT", "/graph", json={**GRAPH, "endpoints": ends})[0] == 422
+
+
+def test_hostile_names_are_only_names(call):
+    name = "/<script>alert(1)</script>\u202e"
+    ends = [{**end, "node": name} for end in GRAPH["endpoints"]]
+    assert call("PUT", "/graph", json={**GRAPH, "endpoints": ends})[0] == 200
+    page = call("GET", "/graph")[1]
+    assert "/<script>alert(1)</script>\\u202e" in [node["name"] for node in page["nodes"]]
+
+
+@pytest.mark.parametrize("who", ["end_user", "admin", "read", "guard", "metrics"])
+def test_only_a_developer_uploads(call, who):
+    assert call("PUT", "/graph", json=GRAPH, who=who)[0] == 403

@@ -1,0 +1,87 @@
+"""The whole API against its own description, with what a hypothesis makes of it."""
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, given, settings
+from schemathesis import GenerationMode
+from schemathesis.checks import not_a_server_error
+from schemathesis.specs.openapi.checks import (
+    content_type_conformance,
+    response_schema_conformance,
+    status_code_conformance,
+)
+from service_app import People, served
+
+from rtron.planning import parse_plan
+from rtron.service.config import Config
+from rtron.service.server.app import create_app
+from rtron.wire.common.link_protocol import Hello
+
+PLAN = """\
+schema: rtron.plan/1
+app: small
+grcn:
+  - id: drive
+    topic: /cmd_vel
+    type: geometry_msgs/Twist
+    mode: enforce
+    policy: Preemption
+    successors: [/base]
+    flows:
+      - {name: flow1, publisher: /teleop, priority: 2}
+      - {name: flow2, publisher: /planner, priority: 1}
+rsrcn:
+  id: speed
+  mode: enforce
+  policy: Safe
+  threshold: 0.02 m/frame
+  max_vel_limit: 0.5 m/s
+  vflows:
+    - topic: /max_vel
+      type: std_msgs/Float64
+      successors: [/base]
+      flows: [{name: vflow1, publisher: /lane}]
+fps_monitor:
+  - {id: eyes, node: /signs, topic: /signs/image}
+"""
+CHECKS = (
+    not_a_server_error,
+    status_code_conformance,
+    content_type_conformance,
+    response_schema_conformance,
+)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    app = create_app(Config(database=tmp_path_factory.mktemp("fuzz") / "rtron.db"))
+    met = Hello(app="small", plan=parse_plan(PLAN), run="run", began=1, version="1", robot="car1")
+    app.state.service.controller.greet("car1", met)
+    people = People(app.state.service)
+    headers = people.token("fuzz", "admin", "developer", "end_user")
+    with served(app) as port:
+        yield f"http://127.0.0.1:{port}", headers
+
+
+@pytest.mark.parametrize("mode", GenerationMode)
+def test_the_api_does_what_it_says(site, mode):
+    url, headers = site
+    schema = schemathesis.openapi.from_url(f"{url}/openapi.json")
+    operations = [found.ok() for found in schema.get_all_operations()]
+    assert len(operations) > 30
+    for operation in operations:
+        if mode is GenerationMode.POSITIVE or operation.body or operation.query:
+            tried(operation.as_strategy(generation_mode=mode), url, headers)
+
+
+def tried(cases, url, headers):
+    @settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck), database=None)
+    @given(case=cases)
+    def holds(case):
+        if "robot" in case.path_parameters:
+            case.path_parameters["robot"] = "car1"
+        if "node" in case.path_parameters:
+            case.path_parameters["node"] = "speed"
+        case.call_and_validate(base_url=url, headers=headers, checks=CHECKS, timeout=30)
+
+    holds()

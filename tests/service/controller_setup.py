@@ -1,0 +1,118 @@
+"""A plan with every kind of coordination node, and the world around a risk controller."""
+
+from dataclasses import dataclass, field
+
+from rtron.planning import parse_plan
+from rtron.service.api.auth.authentication import Caller
+from rtron.service.controller.risk_controller import Controller
+from rtron.service.domain.schemas import UserRole
+from rtron.service.store.database import Database
+from rtron.vocabulary import Plan, Settings
+from rtron.wire.common.link_protocol import Hello
+
+PLAN = """\
+schema: rtron.plan/1
+app: small
+grcn:
+  - id: drive
+    topic: /cmd_vel
+    type: geometry_msgs/Twist
+    mode: enforce
+    policy: Preemption
+    successors: [/base]
+    flows:
+      - {name: flow1, publisher: /teleop, priority: 2}
+      - {name: flow2, publisher: /planner, priority: 1}
+rsrcn:
+  id: speed
+  mode: enforce
+  policy: Safe
+  threshold: 0.02 m/frame
+  max_vel_limit: 0.5 m/s
+  vflows:
+    - topic: /max_vel
+      type: std_msgs/Float64
+      successors: [/base]
+      flows: [{name: vflow1, publisher: /lane}]
+msrcn:
+  id: mission
+  mode: enforce
+  aflows:
+    - topic: /goal
+      type: geometry_msgs/PoseStamped
+      successors: [/planner]
+      flows:
+        - {name: aflow1, publisher: /user}
+        - {name: aflow2, publisher: /voice}
+  eflows:
+    - {name: night, topic: /night, publisher: /clock, present: 2 s}
+    - {name: alone, topic: /person, publisher: /people, silent: 5 s}
+  rules:
+    - {name: quiet, when: night, block: [/goal], mandatory: true}
+    - {name: watched, when: alone, block: [aflow2]}
+fps_monitor:
+  - {id: eyes, node: /signs, topic: /signs/image}
+"""
+
+
+def plan(text: str = PLAN) -> Plan:
+    return parse_plan(text)
+
+
+def swapped(old: str, new: str) -> Plan:
+    assert old in PLAN
+    return plan(PLAN.replace(old, new))
+
+
+def hello(plan: Plan, *, revision: int = 0, app: str = "small", **keys) -> Hello:
+    keys.setdefault("settings", Settings(revision=revision))
+    return Hello(app=app, plan=plan, run="r1", began=1, version="0", **keys)
+
+
+@dataclass
+class Guards:
+    """What a hub is told, in order."""
+
+    pushed: list[tuple[str, Settings]] = field(default_factory=list)
+    told: list[dict] = field(default_factory=list)
+
+    def push(self, robot: str, settings: Settings) -> None:
+        self.pushed.append((robot, settings))
+
+    def tell(self, live: dict) -> None:
+        self.told.append(live)
+
+
+@dataclass
+class Clock:
+    now: int = 1_000
+
+    def __call__(self) -> int:
+        return self.now
+
+
+def caller(*roles: UserRole, name: str = "ann") -> Caller:
+    return Caller(name=name, roles=frozenset(roles), address="10.0.0.7")
+
+
+DEVELOPER = caller(UserRole.DEVELOPER, name="dev")
+END_USER = caller(UserRole.END_USER, name="eve")
+ADMIN = caller(UserRole.ADMIN, name="root")
+BOTH = caller(UserRole.DEVELOPER, UserRole.END_USER, name="both")
+
+
+@dataclass
+class World:
+    """A controller on a database of its own; `again` is the service after a restart."""
+
+    database: Database
+    guards: Guards = field(default_factory=Guards)
+    clock: Clock = field(default_factory=Clock)
+
+    def __post_init__(self) -> None:
+        self.controller = Controller(self.database, self.guards, self.clock)
+
+    def again(self) -> "World":
+        return World(
+            Database(self.database.url.render_as_string(hide_password=False)), clock=self.clock
+        )

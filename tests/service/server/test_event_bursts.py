@@ -1,0 +1,57 @@
+"""`rtron events --follow` where not every event is told live."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from harness import wait_for
+
+from rtron.service.collector.data_collector import MOST_TOLD
+from rtron.service.store.events import Batch, add_events
+from rtron.service.store.robots import meet_robot
+from rtron.vocabulary import EventKind, GuardEvent, Level
+
+
+@pytest.fixture
+def store(app):
+    """Store events in one transaction, and tell of them as the collector does."""
+    service, collector = app.state.service, app.state.collector
+
+    def store(first, last):
+        with service.database.session() as session:
+            robot = meet_robot(session, "car1", service.clock())
+            batch = Batch(robot.id, "car1", tuple(map(event, range(first, last + 1))))
+            added = add_events(session, service.clock(), [batch])
+        collector._stored(added, last + 1 - first)
+
+    return store
+
+
+def event(number):
+    level = Level.WARNING if number % 7 == 0 else Level.INFO
+    return GuardEvent(run="r", number=number, at=number, kind=EventKind.ALARM, level=level)
+
+
+@pytest.mark.parametrize("level", ["info", "warning"])
+def test_each_event_of_a_storm_is_shown_once(app, port, people, store, tmp_path, level):
+    store(1, 5)
+    secret = people.token("t", "read")["Authorization"].split()[1]
+    (tmp_path / "t").write_text(secret)
+    where = ["--service", f"http://127.0.0.1:{port}", "--token-file", str(tmp_path / "t")]
+    words = ["events", "-f", "-n", "0", "--format", "json", "--level", level, *where]
+    command = [sys.executable, "-m", "rtron", *words]
+    hub = app.state.service.hub
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        try:
+            wait_for(lambda: len(hub._listeners) == 2)
+            last = 5 + 5 * MOST_TOLD
+            store(6, last)
+            store(last + 1, last + 3)
+            store(last + 4, last + 14)
+            wanted = [
+                number for number in range(6, last + 15) if level == "info" or number % 7 == 0
+            ]
+            assert [json.loads(process.stdout.readline())["at"] for _ in wanted] == wanted
+        finally:
+            process.kill()

@@ -1,0 +1,81 @@
+"""What goes on while nothing can be written: the disk is full, or somebody holds the lock."""
+
+import sqlite3
+import time
+
+import pytest
+from failing_database import read_only
+from service_app import PASSWORD
+
+from rtron.vocabulary import Plan
+from rtron.wire.common.link_protocol import Hello
+
+
+@pytest.fixture
+def database(app):
+    return app.state.service.database
+
+
+@pytest.fixture
+def car1(app):
+    hello = Hello(app="app", plan=Plan(app="app"), run="r", began=1, version="1")
+    app.state.service.controller.greet("car1", hello)
+
+
+def test_reading_goes_on(client, database, people, clock, caplog):
+    browser, program = people.session("mary", "end_user"), people.token("t", "read")
+    clock.sleep(100)
+    with read_only(database):
+        for headers in (browser, program, browser):
+            assert client.get("/api/v1/robots", headers=headers).status_code == 200
+        said = [each for each in caplog.messages if "last use" in each]
+        assert len(said) <= 1
+        refused = client.post(
+            "/api/v1/users", json={"name": "x", "password": PASSWORD, "roles": []}, headers=browser
+        )
+        assert refused.status_code in {403, 422, 503}
+
+
+def test_a_guard_is_let_in(app, database, people, clock):
+    token = people.token("car1", "guard", robot="car1")["Authorization"].split()[1]
+    with read_only(database):
+        assert app.state.collector.authenticate(token) == "car1"
+
+
+@pytest.mark.usefixtures("car1")
+def test_the_stop_is_sent(app, client, database, people, clock):
+    headers = people.session("mary", "end_user")
+    clock.sleep(100)
+    sent = []
+    app.state.service.hub.push = lambda robot, settings: sent.append((robot, settings.stop.by))
+    with read_only(database):
+        answer = client.post("/api/v1/robots/car1/stop", headers=headers)
+    assert answer.status_code == 503
+    assert "the stop is sent, but not stored" in answer.json()["error"]
+    assert sent == [("car1", "mary")]
+
+
+def test_it_is_ready_while_it_can_write(client, database, admin):
+    before = client.get("/api/v1/audit", headers=admin).json()
+    assert client.get("/readyz").status_code == 200
+    with read_only(database):
+        assert client.get("/readyz").status_code == 503
+        assert client.get("/healthz").status_code == 200
+    assert client.get("/readyz").status_code == 200
+    assert client.get("/api/v1/audit", headers=admin).json() == before
+
+
+def test_a_lock_is_not_waited_for_to_note_a_use(client, database, people, clock):
+    headers = people.session("mary", "end_user")
+    clock.sleep(100)
+    with sqlite3.connect(database.url.database, isolation_level=None) as other:
+        other.execute("BEGIN IMMEDIATE")
+        began = time.monotonic()
+        assert client.get("/api/v1/robots", headers=headers).status_code == 200
+        assert time.monotonic() - began < 5
+        assert client.get("/readyz").status_code == 503
+        other.execute("ROLLBACK")
+    other.close()
+    with database.session() as session:
+        waits = session.connection().exec_driver_sql("PRAGMA busy_timeout").scalar_one()
+    assert waits >= 5000

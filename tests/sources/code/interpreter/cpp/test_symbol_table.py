@@ -1,0 +1,225 @@
+"""C++ names, overloads and the binding of parameters."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from rtron.sources.code.interpreter.abstract_values.items import items_of
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    FALSE,
+    Hole,
+    Instance,
+    Known,
+    NativeClass,
+)
+from rtron.sources.code.interpreter.cpp.overload_resolution import choose
+from rtron.sources.code.interpreter.cpp.symbol_table import MAX_FILES, Symbols
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.binding import bind
+from rtron.sources.code.interpreter.execution.stack_frame import Frame
+from rtron.sources.code.ir import Class, Const, Declare, Function, Language, Param, TypeRef, Unit
+
+FRAME = Frame(file="f.cpp")
+
+
+class Folder:
+    """Units by their file, which a header's name is as well."""
+
+    def __init__(self, **units):
+        self.units = {
+            Path(name): Unit(file=name, language=Language.CPP, **u) for name, u in units.items()
+        }
+
+    def unit(self, path, language):
+        return self.units[path]
+
+    def header(self, include, includer):
+        path = Path(include)
+        return path if path in self.units else None
+
+
+def loaded(**units):
+    symbols = Symbols(Folder(**units))
+    symbols.load(Path(next(iter(units))))
+    return symbols
+
+
+def passed(*values, **keywords):
+    return Arguments(values=tuple(map(Known, values)), keywords=keywords, frame=FRAME)
+
+
+def params(text):
+    found = []
+    for word in text.split():
+        kind = {"**": "stars", "*": "star", "!": "keyword"}.get(word.rstrip("abckwrgs=1"), "plain")
+        name, _, default = word.lstrip("*!").partition("=")
+        found.append(Param(name, None, Const(int(default)) if default else None, kind))
+    return tuple(found)
+
+
+def bound(text, arguments):
+    found = bind(params(text), arguments, lambda node: Known(node.value))
+    return {
+        name: value.value if isinstance(value, Known) else value for name, value in found.items()
+    }
+
+
+def test_plain_parameters_are_bound_by_place_and_name():
+    assert bound("a b", passed(1, 2)) == {"a": 1, "b": 2}
+    assert bound("a b", passed(1, b=Known(2))) == {"a": 1, "b": 2}
+    assert bound("a b=1", passed(5)) == {"a": 5, "b": 1}
+
+
+def test_what_nobody_gives_is_a_hole_of_its_name():
+    found = bound("a b", passed(1))
+    assert isinstance(found["b"], Hole)
+    assert found["b"].why == "b"
+
+
+def test_more_arguments_than_parameters_are_left():
+    assert bound("a", passed(1, 2, 3)) == {"a": 1}
+    assert bound("", passed(1)) == {}
+
+
+def test_stars_take_the_rest():
+    found = bind(
+        params("a *args !k=1 **kw"), passed(1, 2, 3, k=Known(4), c=Known(5)), lambda n: FALSE
+    )
+    assert items_of(found["args"]) == ((Known(2), Known(3)), True)
+    assert found["k"] == Known(4)
+    assert found["kw"].entries == {"c": Known(5)}
+
+
+def test_stars_may_be_empty():
+    found = bind(params("a *args **kw"), passed(1), lambda n: FALSE)
+    assert items_of(found["args"]) == ((), True)
+    assert found["kw"].entries == {}
+
+
+def test_a_keyword_only_parameter_is_not_bound_by_place():
+    assert bound("*args !k=1", passed(7, 8))["k"] == 1
+
+
+@pytest.mark.parametrize("other", [True, False])
+def test_a_name_is_constant_where_it_is_in_every_file(other):
+    first = Declare("T", None, Const("a"), constant=True)
+    second = Declare("T", None, Const("b"), constant=other)
+    symbols = loaded(a={"body": (first,)}, b={"body": (second,)})
+    symbols.load(Path("b"))
+    assert symbols.variables["T"] == (Declare("T", None, Const("a"), constant=other), "a")
+    symbols = loaded(b={"body": (replace(second, value=None),)}, a={"body": (first,)})
+    symbols.load(Path("a"))
+    assert symbols.variables["T"] == (Declare("T", None, Const("a"), constant=other), "a")
+
+
+def overload(*types, defaults=0, body=()):
+    parameters = [
+        Param(f"p{at}", TypeRef(type), Const(0) if at >= len(types) - defaults else None)
+        for at, type in enumerate(types)
+    ]
+    return Function(name="f", file="f.cpp", params=tuple(parameters), body=body)
+
+
+TEXT, NUMBER, BOTH = overload("std::string"), overload("int"), overload("std::string", "int")
+OBJECT = overload("ros::NodeHandle")
+
+
+@pytest.mark.parametrize(
+    ("functions", "values", "chosen"),
+    [
+        ((TEXT, NUMBER), (Known("a"),), TEXT),
+        ((NUMBER, TEXT), (Known("a"),), TEXT),
+        ((TEXT, NUMBER), (Known(1),), NUMBER),
+        ((TEXT, BOTH), (Known("a"), Known(1)), BOTH),
+        ((BOTH, TEXT), (Known("a"),), TEXT),
+        ((TEXT, OBJECT), (Instance(NativeClass("ros::NodeHandle")),), OBJECT),
+        ((NUMBER, OBJECT), (Instance(NativeClass("ros::NodeHandle")),), OBJECT),
+        ((TEXT,), (), TEXT),
+        ((TEXT, NUMBER), (Hole("h"),), TEXT),
+    ],
+)
+def test_the_overload_that_fits_is_called(functions, values, chosen):
+    assert choose(functions, Arguments(values=values, frame=FRAME)) is chosen
+
+
+def test_a_default_makes_an_overload_fit():
+    with_default = overload("std::string", "int", defaults=1)
+    assert choose((NUMBER, with_default), passed("a")) is with_default
+
+
+def test_a_definition_is_taken_before_a_mere_declaration():
+    declared = overload("int", body=None)
+    assert choose((declared, NUMBER), passed(1)) is NUMBER
+    assert choose((NUMBER, declared), passed(1)) is NUMBER
+
+
+@pytest.mark.parametrize(
+    ("name", "scope", "found"),
+    [
+        ("x", "", ["x"]),
+        ("x", "a::b", ["a::b::x", "a::x", "x"]),
+        ("c::x", "a", ["a::c::x", "c::x"]),
+        ("::x", "a::b", ["x"]),
+    ],
+)
+def test_candidates_nearest_first(name, scope, found):
+    assert [*loaded(f={}).candidates(name, scope)] == found
+
+
+def test_an_opened_namespace_and_a_name_brought_in_are_candidates():
+    symbols = loaded(f={"usings": ("ros", "hard::Base")})
+    assert "ros::NodeHandle" in [*symbols.candidates("NodeHandle", "")]
+    assert "hard::Base" in [*symbols.candidates("Base", "a")]
+    assert "hard::Base::run" in [*symbols.candidates("Base::run", "")]
+
+
+def test_aliases_are_followed_and_keep_their_arguments():
+    symbols = loaded(
+        f={"aliases": (("A", TypeRef("B")), ("B", TypeRef("std::vector", (TypeRef("int"),))))}
+    )
+    assert symbols.type(TypeRef("A"), "") == TypeRef("std::vector", (TypeRef("int"),))
+
+
+def test_an_alias_is_looked_up_where_it_stands():
+    aliases = (("a::T", TypeRef("U")), ("a::U", TypeRef("ros::NodeHandle")), ("U", TypeRef("int")))
+    symbols = loaded(f={"aliases": aliases})
+    assert symbols.type(TypeRef("T"), "a::b") == TypeRef("ros::NodeHandle")
+    assert symbols.type(TypeRef("a::T"), "") == TypeRef("ros::NodeHandle")
+
+
+def test_a_namespace_alias_is_followed():
+    symbols = loaded(f={"aliases": (("mf", TypeRef("message_filters")),)})
+    assert symbols.type(TypeRef("mf::Subscriber"), "").name == "message_filters::Subscriber"
+
+
+@pytest.mark.parametrize("cycle", [[("A", "A")], [("A", "B"), ("B", "A")], [("A", "A::A")]])
+def test_aliases_in_a_circle_end(cycle):
+    symbols = loaded(f={"aliases": tuple((name, TypeRef(of)) for name, of in cycle)})
+    assert isinstance(symbols.type(TypeRef("A"), ""), TypeRef)
+
+
+def test_a_scanned_class_hides_an_alias_further_out():
+    symbols = loaded(
+        f={"aliases": (("T", TypeRef("int")),), "classes": (Class(name="a::T", file="f"),)}
+    )
+    assert symbols.type(TypeRef("T"), "a") == TypeRef("T")
+    assert symbols.class_named("T", "a").name == "a::T"
+    assert symbols.class_named("T", "") is None
+
+
+def test_headers_are_taken_in_once_even_in_a_circle():
+    f = Function(name="a::f", file="h")
+    symbols = loaded(
+        f={"includes": ("h", "h", "missing")}, h={"includes": ("f", "h"), "functions": (f,)}
+    )
+    assert symbols.functions["a::f"] == [f]
+    assert symbols.named("f") == (f,)
+
+
+def test_so_many_files_and_no_more():
+    units = {f"f{n}": {"includes": (f"f{n + 1}",)} for n in range(200)}
+    assert len(loaded(**units).units) == 200
+    wide = {"f": {"includes": tuple(f"h{n}" for n in range(MAX_FILES + 50))}}
+    wide |= {f"h{n}": {} for n in range(MAX_FILES + 50)}
+    assert len(loaded(**wide).units) == MAX_FILES

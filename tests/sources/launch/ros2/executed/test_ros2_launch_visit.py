@@ -1,0 +1,141 @@
+"""What stands in a visit for the time, for processes, and for the Python to be found."""
+
+import asyncio
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from rtron.sources.launch.ros2.executed.lines import with_lines
+from rtron.sources.launch.ros2.executed.pythons import pythons
+from rtron.sources.launch.ros2.executed.visit.clock import ImpatientLoop
+from rtron.sources.launch.ros2.executed.visit.locations import local, of_error, remembered
+from rtron.sources.launch.ros2.executed.visit.process_stub import ENDS, NO_PID, not_started
+from rtron.sources.launch.ros2.executed.visit.visit_record import Found
+from rtron.sources.launch.ros2.result import AppLaunch, Start, StartKind
+from rtron.vocabulary import Evidence
+
+
+@pytest.fixture
+def loop():
+    loop = ImpatientLoop()
+    yield loop
+    loop.close()
+
+
+def test_timers_fire_in_their_order_without_a_wait(loop):
+    fired = []
+
+    async def after(seconds):
+        begun = loop.time()
+        await asyncio.sleep(seconds)
+        fired.append((seconds, loop.time() - begun >= seconds))
+
+    async def all_of_them():
+        await asyncio.gather(*map(after, (1e7, 3_600.0, 86_400.0)))
+
+    loop.run_until_complete(all_of_them())
+    assert fired == [(3_600.0, True), (86_400.0, True), (1e7, True)]
+
+
+def test_a_thread_is_waited_for(loop):
+    async def asked():
+        return await loop.run_in_executor(None, lambda: "answer")
+
+    assert loop.run_until_complete(asked()) == "answer"
+
+
+@pytest.mark.parametrize("start", ["subprocess_exec", "subprocess_shell"])
+def test_a_loop_starts_no_process(loop, start):
+    async def run():
+        await getattr(loop, start)(asyncio.SubprocessProtocol, "true")
+
+    with pytest.raises(RuntimeError, match="nothing is started"):
+        loop.run_until_complete(run())
+
+
+class _Protocol:
+    def __init__(self):
+        self.complete = asyncio.get_running_loop().create_future()
+
+    def connection_made(self, transport):
+        self.transport = transport
+
+    def process_exited(self):
+        self.complete.set_result(self.transport.get_returncode())
+
+
+def test_a_process_seems_to_run_and_to_end_well(loop):
+    async def run():
+        begun = loop.time()
+        transport, protocol = await not_started(_Protocol, cmd=["a"], cwd=None)
+        assert transport.get_pid() == NO_PID
+        assert transport.get_pipe_transport(1) is None
+        code = await protocol.complete
+        return code, loop.time() - begun >= ENDS
+
+    assert loop.run_until_complete(run()) == (0, True)
+
+
+def test_none_starts_again(loop):
+    command = ["again"]
+
+    async def run():
+        await not_started(_Protocol, cmd=command)
+        with pytest.raises(RuntimeError, match="start again"):
+            await not_started(_Protocol, cmd=command)
+        await not_started(_Protocol, cmd=list(command))
+
+    loop.run_until_complete(run())
+
+
+def test_a_mark_is_of_one_command():
+    found = Found()
+    first, again, other = map(found.mark, ("a b", "a b", "c"))
+    assert first == again != other
+    assert found.marked(f"x {other} y") == "c"
+    assert [found.marked(text) for text in ("", "x", "\ue0009\ue001", "\ue000x\ue001")] == [""] * 4
+    assert found.commands == ["a b", "c"]
+
+
+def test_places():
+    context = SimpleNamespace(locals=SimpleNamespace(current_launch_file_path="/a.launch.xml"))
+    assert local(context, "nothing") is None
+    assert remembered(object(), context) == ("/a.launch.xml", 0)
+    thing = SimpleNamespace(_rtron_place=("/b.py", 3))
+    assert remembered(thing, context) == ("/b.py", 3)
+    assert of_error(ValueError("never raised")) == ("", 0)
+    assert of_error(SyntaxError("s", ("/c.py", 7, 1, "("))) == ("/c.py", 7)
+
+
+def test_the_python_of_ros2_comes_first(tmp_path):
+    script = tmp_path / "ros2"
+    for line, first in (
+        ("#!/opt/bin/python3.12 -E", ["/opt/bin/python3.12"]),
+        ("#!/usr/bin/env python3", []),
+        ("no script", []),
+        ("#!", []),
+        ("#!/bin/sh", []),
+    ):
+        script.write_text(f"{line}\n")
+        script.chmod(0o755)
+        assert list(pythons({"PATH": str(tmp_path)})) == [*first, sys.executable]
+    python = tmp_path / "python3"
+    python.write_text("")
+    python.chmod(0o755)
+    assert list(pythons({"PATH": str(tmp_path)})) == [str(python), sys.executable]
+    assert sys.executable in pythons({})
+
+
+def start(line, program="e"):
+    place = Evidence(file="/a.launch.xml", line=line)
+    return Start(kind=StartKind.NODE, package="p", program=program, evidence=place)
+
+
+def test_lines_come_from_reading_where_they_are_certain():
+    read = AppLaunch(file="f", starts=(start(3), start(5, "two"), start(6, "two"), start(9, "x")))
+    executed = AppLaunch(
+        file="f", starts=(start(0), start(0, "two"), start(0, "no"), start(8, "x"))
+    )
+    found = with_lines(executed, read).starts
+    assert [one.evidence.line for one in found] == [3, 0, 0, 8]

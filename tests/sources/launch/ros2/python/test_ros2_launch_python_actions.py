@@ -1,0 +1,266 @@
+"""The actions of Python launch files, each read as launch and launch_ros run it."""
+
+import pytest
+from app_launch_values import names, values, whys
+
+from rtron.sources.launch.ros2.result import StartKind
+
+NODE = "Node(package='p', executable='e', name='{}')"
+
+
+def test_a_node_with_all_it_can_be_given(python):
+    app = python(
+        """Node(package='p', executable='e', name='n', namespace='ns', arguments=['-d', 'x'],
+             ros_arguments=['--log-level', 'info'], parameters=[{'a': 1}],
+             remappings=[('in', 'out'), ('/tf', 'tf')], additional_env={'K': 'v'})"""
+    )
+    [node] = app.starts
+    assert (node.kind, node.package, node.program) == (StartKind.NODE, "p", "e")
+    assert node.full_name == "/ns/n"
+    assert node.arguments == ("-d", "x", "--ros-args", "--log-level", "info")
+    assert node.remaps == (("in", "out"), ("/tf", "tf"))
+    assert node.environ == (("K", "v"),)
+    assert values(node) == {"a": 1}
+    assert app.unresolved == ()
+
+
+def test_where_a_node_stands(python, package):
+    [node] = python("\n" + NODE.format("n")).starts
+    lines = (package / "launch" / "app.launch.py").read_text().splitlines()
+    assert "Node(" in lines[node.evidence.line - 1]
+    assert node.evidence.file.endswith("app.launch.py")
+
+
+def test_a_node_that_names_itself(python):
+    [node] = python("Node(package='p', executable='e', namespace='ns')").starts
+    assert (node.name, node.full_name) == ("", "/ns/*")
+
+
+def test_names_among_the_arguments_count_first(python):
+    words = "['--ros-args', '-r', '__node:=other', '-r', '__ns:=/deep', '-r', 'a:=b', '-p', 'k:=3']"
+    [node] = python(
+        f"Node(executable='e', name='n', arguments={words}, remappings=[('c', 'd')])"
+    ).starts
+    assert node.full_name == "/deep/other"
+    assert node.remaps == (("a", "b"), ("c", "d"))
+    assert node.shared == 1
+    assert values(node) == {"k": 3}
+
+
+def test_a_pushed_namespace_ends_with_its_group(python):
+    inner = (
+        f"PushRosNamespace('a'), {NODE.format('in')}, PushROSNamespace('b'), {NODE.format('deep')}"
+    )
+    absolute = "Node(executable='e', name='abs', namespace='/x')"
+    app = python(f"GroupAction([{inner}, {absolute}]), {NODE.format('out')}")
+    assert names(app) == ["/a/in", "/a/b/deep", "/x/abs", "/out"]
+
+
+@pytest.mark.parametrize(
+    ("flags", "after"), [("", "/n"), (", scoped=False", "/a/n"), (", forwarding=False", "/n")]
+)
+def test_the_scope_of_a_group(python, flags, after):
+    app = python(f"GroupAction([PushRosNamespace('a')]{flags}), {NODE.format('n')}")
+    assert names(app) == [after]
+
+
+def test_a_group_that_forwards_nothing_but_what_it_is_given(python):
+    name = "[LaunchConfiguration('x'), LaunchConfiguration('y', default='z')]"
+    configured = NODE.replace("'{}'", name)
+    group = f"GroupAction([{configured}], forwarding=False, launch_configurations={{'x': 'k'}})"
+    assert names(python(f"SetLaunchConfiguration('y', 'w'), {group}")) == ["/kz"]
+
+
+def test_remaps_for_all_nodes_stand_before_their_own(python):
+    own = "Node(executable='e', name='n', remappings=[('c', 'd')])"
+    app = python(
+        f"SetRemap(src='a', dst='b'), {own}, ComposableNodeContainer(package='p', "
+        "executable='e', name='box', namespace='', composable_node_descriptions=["
+        "ComposableNode(package='p', plugin='P', name='c')])"
+    )
+    node, container, component = app.starts
+    assert (node.remaps, node.shared) == ((("a", "b"), ("c", "d")), 1)
+    assert container.remaps == component.remaps == (("a", "b"),)
+
+
+@pytest.mark.parametrize(
+    ("condition", "starts"),
+    [
+        ("IfCondition('true')", True),
+        ("IfCondition(LaunchConfiguration('yes'))", True),
+        ("UnlessCondition(LaunchConfiguration('yes'))", False),
+        ("IfCondition(PythonExpression(['not ', LaunchConfiguration('yes')]))", False),
+        ("LaunchConfigurationEquals('yes', 'True')", True),
+        ("LaunchConfigurationEquals('yes', 'no')", False),
+        ("LaunchConfigurationNotEquals('yes', 'no')", True),
+        ("LaunchConfigurationEquals('other', 'x')", False),
+        (
+            "IfCondition(NotSubstitution(EqualsSubstitution(LaunchConfiguration('yes'), 'true')))",
+            False,
+        ),
+    ],
+)
+def test_conditions_that_are_known(python, condition, starts):
+    declared = "DeclareLaunchArgument('yes', default_value='True')"
+    app = python(f"{declared}, Node(executable='e', name='n', condition={condition})")
+    assert names(app) == (["/n"] if starts else [])
+    assert app.unresolved == ()
+    if starts:
+        [node] = app.starts
+        assert [place.line for place in node.conditions] == [node.evidence.line]
+        assert not node.doubtful
+
+
+def test_a_condition_that_is_not_known_is_read_as_true_and_noted(python):
+    condition = "IfCondition(Command(['which', 'robot']))"
+    app = python(f"GroupAction([{NODE.format('n')}], condition={condition}), {NODE.format('m')}")
+    inner, outer = app.starts
+    assert inner.doubtful
+    assert not outer.doubtful
+    assert any("read as if it did" in why for why in whys(app))
+    assert any("is not run" in why for why in whys(app))
+
+
+def test_a_value_set_under_an_unknown_condition_is_not_known(python):
+    unknown = "condition=IfCondition(EnvironmentVariable('SIM'))"
+    app = python(
+        "SetLaunchConfiguration('exe', 'real'), "
+        f"SetLaunchConfiguration('exe', 'sim', {unknown}), "
+        "Node(package='p', executable=LaunchConfiguration('exe'), name='n')"
+    )
+    assert app.starts[0].program == "{exe}"
+
+
+def test_arguments_and_what_they_are_by_default(python):
+    declared = "DeclareLaunchArgument('name', default_value=['a', '_b'], description='who')"
+    app = python(f"{declared}, Node(executable='e', name=LaunchConfiguration('name'))")
+    assert names(app) == ["/a_b"]
+    [argument] = app.arguments
+    assert (argument.name, argument.default, argument.description) == ("name", "a_b", "who")
+    given = python(f"{declared}, Node(executable='e', name=LaunchConfiguration('name'))", name="c")
+    assert names(given) == ["/c"]
+
+
+def test_an_argument_that_must_be_given_stands_in_braces(python):
+    declared = "DeclareLaunchArgument('robot')"
+    space = "namespace=['fleet/', LaunchConfiguration('robot')]"
+    app = python(f"{declared}, Node(executable='e', name='n', {space})")
+    assert names(app) == ["/fleet/{robot}/n"]
+    assert whys(app) == ["argument 'robot' is not given"]
+    assert app.arguments[0].default is None
+
+
+def test_containers_and_the_components_loaded_into_them(python):
+    component = (
+        "ComposableNode(package='p', plugin='P::{0}', name='{0}', parameters=[{{'k': '{0}'}}], "
+    )
+    component += "remappings=[('x', 'y')], extra_arguments=[{{'use_intra_process_comms': True}}])"
+    app = python(
+        "ComposableNodeContainer(package='rclcpp_components', executable='component_container', "
+        f"name='box', namespace='ns', composable_node_descriptions=[{component.format('one')}]), "
+        f"LoadComposableNodes(target_container='ns/box', composable_node_descriptions=["
+        f"{component.format('two')}])"
+    )
+    container, *components = app.starts
+    assert container.kind is StartKind.CONTAINER
+    assert [one.container for one in components] == ["/ns/box"] * 2
+    assert [one.full_name for one in components] == ["/one", "/two"]
+    assert components[0].program == "P::one"
+    assert values(components[1]) == {"k": "two"}
+    assert components[1].extra["use_intra_process_comms"].value is True
+
+
+def test_components_of_a_container_that_is_given_itself_and_under_conditions(program):
+    app = program("""
+def generate_launch_description():
+    box = ComposableNodeContainer(package='c', executable='e', name='box', namespace='/ns')
+    parts = [ComposableNode(package='p', plugin=name, name=name, condition=IfCondition(on))
+             for name, on in (('A', 'true'), ('B', 'false'))]
+    return LaunchDescription([
+        box, LoadComposableNodes(target_container=box, composable_node_descriptions=parts)])
+""")
+    assert [(one.full_name, one.container) for one in app.starts] == [
+        ("/ns/box", ""),
+        ("/A", "/ns/box"),
+    ]
+
+
+def test_lifecycle_nodes_and_processes(python):
+    app = python(
+        "LifecycleNode(package='p', executable='e', name='life', namespace=''), "
+        "ExecuteProcess(cmd=['gz', 'sim', ['world:=', LaunchConfiguration('w', default='a')]]), "
+        "ExecuteProcess(cmd=['ros2 run pkg exe --ros-args -r __node:=n -r a:=b -p k:=true'])"
+    )
+    life, process, run = app.starts
+    assert life.kind is StartKind.LIFECYCLE_NODE
+    assert (process.kind, process.arguments) == (StartKind.PROCESS, ("gz", "sim", "world:=a"))
+    assert (run.kind, run.package, run.program, run.full_name) == (
+        StartKind.NODE,
+        "pkg",
+        "exe",
+        "/n",
+    )
+    assert (run.remaps, values(run)) == ((("a", "b"),), {"k": True})
+
+
+def test_a_process_that_is_a_program_of_a_package_is_its_node(python):
+    program = "ExecutableInPackage(package='p', executable='e')"
+    app = python(f"ExecuteProcess(cmd=[{program}, 'a b', '--depth', '1'])")
+    (run,) = app.starts
+    assert (run.kind, run.package, run.program) == (StartKind.NODE, "p", "e")
+    assert run.arguments == ("a b", "--depth", "1")
+    assert not app.unresolved
+
+
+def test_the_environment_that_is_set_before_a_node(python):
+    app = python(
+        "SetEnvironmentVariable('A', '1'), AppendEnvironmentVariable('P', 'x'), "
+        f"{NODE.format('n')}, UnsetEnvironmentVariable('A'), {NODE.format('m')}",
+        environ={"P": "w"},
+    )
+    assert [node.environ for node in app.starts] == [(("A", "1"), ("P", "w:x")), (("P", "w:x"),)]
+
+
+@pytest.mark.parametrize(
+    "handler",
+    [
+        "OnProcessExit(target_action=first, on_exit=[then])",
+        "OnProcessStart(target_action=first, on_start=then)",
+        "OnExecutionComplete(target_action=first, on_completion=[then])",
+        "OnStateTransition(target_lifecycle_node=first, goal_state='active', entities=[then])",
+        "OnProcessExit(on_exit=lambda event, context: [then])",
+    ],
+)
+def test_what_starts_on_an_event(program, handler):
+    app = program(f"""
+def generate_launch_description():
+    first, then = {NODE.format("first")}, {NODE.format("then")}
+    late = RegisterEventHandler({handler})
+    return LaunchDescription([late, first])
+""")
+    assert names(app) == ["/first", "/then"]
+    assert app.starts[1].event == handler.partition("(")[0]
+    assert app.unresolved == ()
+
+
+def test_timers_run_in_their_order_and_a_process_may_say_what_comes_after_it(python):
+    timed = f"TimerAction(period=5.0, actions=[{NODE.format('late')}])"
+    period = "LaunchConfiguration('t', default='1')"
+    sooner = f"TimerAction(period={period}, actions=[{NODE.format('soon')}])"
+    after = f"ExecuteProcess(cmd=['x'], on_exit=[{NODE.format('after')}])"
+    app = python(f"{timed}, {sooner}, {after}, {NODE.format('now')}")
+    assert [one.name for one in app.starts] == ["", "now", "after", "soon", "late"]
+
+
+def test_actions_that_start_nothing_are_no_matter(python):
+    silent = "LogInfo(msg='x'), EmitEvent(event=Shutdown()), Shutdown(), SetROSLogDir('x'), "
+    silent += "SetUseSimTime(True)"
+    assert python(silent).unresolved == ()
+
+
+def test_an_action_of_another_package_is_noted(python):
+    app = python("Robot(), " + NODE.format("n"), before="from robot_launch import Robot")
+    assert names(app) == ["/n"]
+    [note] = app.unresolved
+    assert "robot_launch.Robot" in note.what
+    assert note.why == "is not known here: what it starts is not known"

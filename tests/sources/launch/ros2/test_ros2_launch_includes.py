@@ -1,0 +1,151 @@
+"""Files that include each other: across formats and packages, with what they are given."""
+
+import pytest
+from app_launch_values import names, whys
+
+CHILD = {
+    "xml": """<launch><arg name="name" default="child"/>
+        <node pkg="p" exec="e" name="$(var name)"/></launch>""",
+    "yaml": """
+launch:
+- arg: {name: name, default: child}
+- node: {pkg: p, exec: e, name: $(var name)}
+""",
+    "py": """
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+def generate_launch_description():
+    return LaunchDescription([
+        DeclareLaunchArgument('name', default_value='child'),
+        Node(package='p', executable='e', name=LaunchConfiguration('name'))])
+""",
+}
+SHARE = "os.path.join(get_package_share_directory('pkg'), 'launch', 'in.launch.{}')"
+
+
+@pytest.fixture
+def child(package):
+    """Write the same launch file in each format; return their folder."""
+    for suffix, text in CHILD.items():
+        (package / "launch" / f"in.launch.{suffix}").write_text(text)
+    return package / "launch"
+
+
+@pytest.mark.parametrize(
+    ("suffix", "source"),
+    [
+        *((suffix, "AnyLaunchDescriptionSource({})") for suffix in CHILD),
+        *((suffix, "{}") for suffix in CHILD),
+        ("py", "PythonLaunchDescriptionSource([{}])"),
+        ("xml", "FrontendLaunchDescriptionSource({})"),
+        ("yaml", "FrontendLaunchDescriptionSource({})"),
+    ],
+)
+def test_a_python_file_includes_every_format(python, child, suffix, source):
+    app = python(f"IncludeLaunchDescription({source.format(SHARE.format(suffix))})")
+    assert names(app) == ["/child"]
+    [included] = app.includes
+    assert included.file == str(child / f"in.launch.{suffix}")
+    assert [place.file for place in app.starts[0].chain] == [app.file]
+    assert app.starts[0].evidence.file == included.file
+    assert app.unresolved == ()
+
+
+@pytest.mark.parametrize("suffix", ["xml", "yaml", "py"])
+def test_an_xml_file_includes_every_format(xml, child, suffix):
+    file = f"$(find-pkg-share pkg)/launch/in.launch.{suffix}"
+    app = xml(f'<include file="{file}"><arg name="name" value="given"/></include>')
+    assert names(app) == ["/given"]
+    assert app.includes[0].arguments == (("name", "given"),)
+
+
+@pytest.mark.parametrize(
+    "given",
+    ["{'name': 'x'}.items()", "[('name', 'x')]", "[('name', ['', LaunchConfiguration('a')])]"],
+)
+def test_what_an_included_file_is_given(python, child, given):
+    include = f"IncludeLaunchDescription({SHARE.format('py')}, launch_arguments={given})"
+    app = python(f"DeclareLaunchArgument('a', default_value='x'), {include}")
+    assert names(app) == ["/x"]
+    assert app.includes[0].arguments == (("name", "x"),)
+    assert [one.name for one in app.arguments] == ["a"]
+
+
+def test_what_an_included_file_sets_stays_unless_a_group_is_around(python, child):
+    include = f"IncludeLaunchDescription({SHARE.format('py')}, launch_arguments=[('name', 'x')])"
+    after = "Node(executable='e', name=[LaunchConfiguration('name', default='none'), '_2'])"
+    assert names(python(f"{include}, {after}")) == ["/x", "/x_2"]
+    assert names(python(f"GroupAction([{include}]), {after}")) == ["/x", "/none_2"]
+    assert (
+        names(python(f"{include}, IncludeLaunchDescription({SHARE.format('xml')})")) == ["/x"] * 2
+    )
+
+
+def test_a_namespace_around_an_included_file(python, child):
+    include = f"IncludeLaunchDescription({SHARE.format('py')})"
+    assert names(python(f"GroupAction([PushRosNamespace('ns'), {include}])")) == ["/ns/child"]
+
+
+def test_a_file_included_under_a_condition(python, child):
+    include = "IncludeLaunchDescription({}, condition=IfCondition('{}'))"
+    off, on = (include.format(SHARE.format("py"), said) for said in ("false", "true"))
+    app = python(f"{off}, {on}")
+    assert names(app) == ["/child"]
+    assert len(app.starts[0].conditions) == 1
+
+
+@pytest.mark.parametrize(
+    ("file", "why"),
+    [
+        ("'/nowhere/x.launch.py'", "is no file"),
+        ("'/nowhere/x.launch.xml'", "No such file"),
+        (
+            "os.path.join(get_package_share_directory('no'), 'x.py')",
+            "what it includes is not known",
+        ),
+        ("[LaunchConfiguration('dir'), '/x.py']", "argument 'dir' is not given"),
+    ],
+)
+def test_a_file_that_is_not_here_is_noted_and_the_rest_is_read(python, file, why):
+    app = python(f"IncludeLaunchDescription({file}), Node(executable='e', name='n')")
+    assert names(app) == ["/n"]
+    assert any(why in one for one in whys(app))
+
+
+def test_a_file_that_the_build_installs_in_another_folder(python, package):
+    (package / "deep").mkdir()
+    (package / "deep" / "x.launch.xml").write_text(CHILD["xml"])
+    app = python("IncludeLaunchDescription([FindPackageShare('pkg'), '/launch/x.launch.xml'])")
+    assert names(app) == ["/child"]
+    assert app.includes[0].file == str(package / "deep" / "x.launch.xml")
+
+
+def test_files_in_files(python, package, child):
+    (package / "launch" / "mid.launch.xml").write_text(
+        '<launch><include file="$(dirname)/in.launch.py"/></launch>'
+    )
+    app = python("IncludeLaunchDescription([ThisLaunchFileDir(), '/mid.launch.xml'])")
+    [outer] = app.includes
+    [inner] = outer.includes
+    assert inner.file == str(child / "in.launch.py")
+    assert inner.evidence.file == outer.file
+    assert len(app.starts[0].chain) == 2
+
+
+def test_a_helper_module_beside_the_launch_file(program, package):
+    (package / "launch" / "robot_parts.py").write_text("""
+from launch_ros.actions import Node
+TOPIC = '/cmd_vel'
+def driver(name, **more):
+    return Node(package='p', executable='e', name=name, remappings=[('out', TOPIC)], **more)
+""")
+    app = program("""
+from robot_parts import driver
+def generate_launch_description():
+    return LaunchDescription([driver('left'), driver('right', namespace='r')])
+""")
+    assert names(app) == ["/left", "/r/right"]
+    assert app.starts[0].remaps == (("out", "/cmd_vel"),)
+    assert app.starts[0].evidence.file.endswith("robot_parts.py")

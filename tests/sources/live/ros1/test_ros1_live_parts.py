@@ -1,0 +1,180 @@
+"""The parts of reading a running ROS 1 app that need no ROS."""
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager, suppress
+
+import pytest
+from faulty_nodes import say_nothing, stranger
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rtron.errors import RTronError, SourceError, WireError
+from rtron.sources.in_time import in_time
+from rtron.sources.live.ros1 import replies
+from rtron.sources.live.ros1.actions import actions_among
+from rtron.sources.live.ros1.process import Program, program_of
+from rtron.sources.live.ros1.queries import service_type
+from rtron.sources.ros1_ghosts import still_unlisted, suspects
+from rtron.sources.ros1_node import NodeAnswers
+from rtron.vocabulary import Action, ActionRole, Direction, Endpoint
+from rtron.wire.ros1.tcpros import encode_header
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.text(max_size=3) | st.sampled_from("io"),
+    lambda inner: st.lists(inner, max_size=7) | st.dictionaries(st.text(max_size=2), inner),
+)
+READERS = {
+    replies.system_state: replies.SystemState,
+    replies.topic_types: dict,
+    replies.incoming: tuple,
+    replies.process_id: int,
+    replies.text: str,
+}
+
+
+@given(VALUES | st.tuples(VALUES, VALUES, VALUES).map(list))
+def test_any_answer_is_read_or_refused(value):
+    for read, type in READERS.items():
+        with suppress(WireError):
+            assert isinstance(read(value), type)
+
+
+def test_a_connection_that_has_ended_brings_nothing():
+    rows = [
+        [1, "http://a:1/", "i", "TCPROS", "/t", False, "closed"],
+        [2, "http://b:2/", "i", "TCPROS", "/t", True, "open"],
+        [3, "http://c:3/", "i", "TCPROS", "/t"],
+        [4, "/d", "o", "TCPROS", "/t", True],
+    ]
+    sources = [link.source for link in replies.incoming(rows)]
+    assert sources == ["http://b:2/", "http://c:3/"]
+
+
+def test_a_publisher_that_joined_meanwhile_is_no_ghost():
+    link = replies.Incoming("/t", "http://new:1/")
+    found = suspects({"/n": NodeAnswers("http://n:1/", (link, link))}, [("/t", "/old")])
+    assert [suspect.link for suspect in found] == [link]
+    assert not list(still_unlisted(found, [("/t", "/new")], {"/new": "http://NEW:1"}))
+    (ghost,) = still_unlisted(found, [("/t", "/new")], {"/new": "http://else:1"})
+    assert (ghost.what, ghost.evidence[0].file) == ("/n", "http://new:1/")
+
+
+def test_who_publishes_another_topic_may_still_be_a_ghost_on_this_one():
+    link = replies.Incoming("/t", "http://p:1/")
+    nodes = {"/n": NodeAnswers("http://n:1/", (link,)), "/p": NodeAnswers("http://p:1/")}
+    assert suspects(nodes, [("/other", "/p")])
+    assert not suspects(nodes, [("/t", "/p")])
+
+
+def test_a_job_that_hangs_delays_nobody_for_longer_than_the_limit():
+    forever = threading.Event()
+    jobs = {"quick": lambda: 1, "hangs": forever.wait}
+    began = time.monotonic()
+    assert in_time(jobs, 2) == {"quick": 1}
+    assert time.monotonic() - began < 20
+    forever.set()
+
+
+def test_no_jobs_take_no_time():
+    assert in_time({}, 60) == {}
+
+
+def answering(data):
+    def answer(connection):
+        connection.recv(1 << 16)
+        connection.sendall(data)
+        connection.close()
+
+    return answer
+
+
+def probe(answer):
+    with stranger(answer) as uri:
+        return service_type(uri.replace("http:", "rosrpc:"), "/s", "/scan", 0.3)
+
+
+def test_a_service_tells_its_type():
+    assert probe(answering(encode_header({"type": "std_srvs/Empty"}))) == "std_srvs/Empty"
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        say_nothing,
+        answering(b""),
+        answering(b"\xff\xff\xff\xff"),
+        answering(b"\x08\x00\x00\x00\xff\xff\xff\xff0000"),
+        answering(encode_header({"error": "no such service"})),
+    ],
+)
+def test_a_service_that_does_not_is_an_error(answer):
+    with pytest.raises(RTronError):
+        probe(answer)
+
+
+def test_nobody_at_a_service_is_an_error():
+    with pytest.raises(SourceError):
+        service_type("rosrpc://localhost:1", "/s", "/scan", 0.3)
+    with pytest.raises(WireError):
+        service_type("http://localhost:1", "/s", "/scan", 0.3)
+
+
+def test_four_topics_are_no_action():
+    def end(topic, direction=Direction.PUBLISH):
+        return Endpoint(node="/n", topic=topic, direction=direction, type="p/LiftActionGoal")
+
+    parts = ["goal", "cancel", "status", "feedback"]
+    topics = [end(f"/lift/{part}") for part in parts]
+    assert actions_among(topics) == ()
+    whole = actions_among([*topics, end("/lift/result", Direction.SUBSCRIBE)])
+    client = Action(node="/n", name="/lift", type="p/LiftAction", role=ActionRole.CLIENT)
+    assert whole == (client,)
+
+
+def test_a_process_that_does_not_listen_there_is_not_the_node():
+    with stranger(say_nothing) as uri:
+        assert program_of(uri, 1) == Program()
+        assert program_of(uri, 2**31) == Program()
+        assert program_of(uri.replace("localhost", "192.0.2.1"), os.getpid()) == Program()
+
+
+LISTEN = "import socket; s = socket.create_server(('', 0)); print(s.getsockname()[1]); input()"
+
+
+@contextmanager
+def listening(*arguments, cwd):
+    """Run a Python that listens on a port; yields its process id and address."""
+    words = [sys.executable, "-u", *arguments]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(words, cwd=cwd, text=True, **pipes) as process:
+        yield process.pid, f"http://localhost:{process.stdout.readline().strip()}/"
+        process.stdin.write("\n")
+        process.stdin.flush()
+
+
+def test_a_script_is_known_by_where_it_lies(tmp_path):
+    places = {
+        "lib/arm_driver/drive": ("arm_driver", "drive"),
+        "src/arm/scripts/lift.py": ("arm_package", "lift.py"),
+        "loose.py": ("", "loose.py"),
+    }
+    (tmp_path / "src" / "arm").mkdir(parents=True)
+    manifest = "<package><name>arm_package</name></package>"
+    (tmp_path / "src" / "arm" / "package.xml").write_text(manifest)
+    for place, program in places.items():
+        script = tmp_path / place
+        script.parent.mkdir(parents=True, exist_ok=True)
+        script.write_text(LISTEN)
+        with listening(place, cwd=tmp_path) as (pid, uri):
+            assert program_of(uri, pid) == Program(*program)
+
+
+def test_a_text_or_a_module_that_runs_is_no_script(tmp_path):
+    (tmp_path / "module.py").write_text(LISTEN)
+    for arguments in (["-c", LISTEN], ["-m", "module"]):
+        with listening(*arguments, cwd=tmp_path) as (pid, uri):
+            assert program_of(uri, pid) == Program()

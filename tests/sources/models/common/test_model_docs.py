@@ -1,0 +1,25 @@
+"""docs/models.md names every key and every function there is."""
+
+from pathlib import Path
+
+import pytest
+from model_cases import site
+
+from rtron.sources.models.common.functions import functions
+from rtron.sources.models.common.model_scope import scope_at
+from rtron.sources.models.common.schema import Declare, Model
+
+PAGE = (Path(__file__).parents[3] / "docs" / "models.md").read_text(encoding="utf-8")
+KEYS = {
+    field.alias or name for form in (Model, Declare) for name, field in form.model_fields.items()
+}
+
+
+@pytest.mark.parametrize("key", sorted(KEYS))
+def test_a_key_is_on_the_page(key):
+    assert f"`{key}`" in PAGE
+
+
+@pytest.mark.parametrize("name", sorted(functions(scope_at(site()))))
+def test_a_function_is_on_the_page(name):
+    assert f"`{name}(" in PAGE

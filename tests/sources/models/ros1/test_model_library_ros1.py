@@ -1,0 +1,396 @@
+"""Every model of the library can be read, evaluated and followed to its source."""
+
+import ast
+import re
+
+import pytest
+from model_cases import names, parameters, site, told
+
+from rtron.sources.models import PluginElement, interface, load_models
+from rtron.sources.models import plugin_interface as plugin_at
+from rtron.sources.models.common.schema import texts
+from rtron.sources.models.ros1 import controllers
+from rtron.vocabulary import UnknownValue
+
+MODELS = load_models()
+_BRACES = re.compile(r"\{([^{}]*)\}")
+TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*")
+
+NODES = [
+    "amcl/amcl",
+    "controller_manager/spawner",
+    "depthimage_to_laserscan/depthimage_to_laserscan",
+    "diagnostic_aggregator/aggregator_node",
+    "explore_lite/explore",
+    "fetch_teleop/joystick_teleop",
+    "gazebo_ros/gzclient",
+    "gazebo_ros/gzserver",
+    "gazebo_ros/spawn_model",
+    "gmapping/slam_gmapping",
+    "hector_mapping/hector_mapping",
+    "hls_lfcd_lds_driver/hlds_laser_publisher",
+    "image_proc/image_proc",
+    "image_transport/republish",
+    "joint_state_publisher/joint_state_publisher",
+    "joy/joy_node",
+    "map_server/map_server",
+    "move_base/move_base",
+    "nodelet/nodelet",
+    "raspicam_node/raspicam_node",
+    "robot_localization/ekf_localization_node",
+    "robot_pose_ekf/robot_pose_ekf",
+    "robot_state_publisher/robot_state_publisher",
+    "rosapi/rosapi_node",
+    "rosbag/play",
+    "rosbag/record",
+    "rosbridge_server/rosbridge_websocket",
+    "rosserial_python/serial_node.py",
+    "rostopic/rostopic",
+    "rviz/rviz",
+    "rplidar_ros/rplidarNode",
+    "stage_ros/stageros",
+    "teleop_twist_keyboard/teleop_twist_keyboard.py",
+    "tf/static_transform_publisher",
+    "tf2_ros/static_transform_publisher",
+    "topic_tools/mux",
+    "topic_tools/relay",
+    "turtlebot3_teleop/turtlebot3_teleop_key",
+    "turtlebot_teleop/turtlebot_teleop_key",
+    "twist_mux/twist_mux",
+    "urg_node/urg_node",
+    "usb_cam/usb_cam_node",
+    "velodyne_driver/velodyne_node",
+    "web_video_server/web_video_server",
+]
+NODELETS = [
+    "depth_image_proc/convert_metric",
+    "depth_image_proc/disparity",
+    "depth_image_proc/point_cloud_xyz",
+    "depth_image_proc/point_cloud_xyzrgb",
+    "depth_image_proc/register",
+    "image_proc/crop_decimate",
+    "image_proc/debayer",
+    "image_proc/rectify",
+    "image_proc/resize",
+    "kobuki_node/KobukiNodelet",
+    "kobuki_safety_controller/SafetyControllerNodelet",
+    "openni2_camera/OpenNI2DriverNodelet",
+    "pointgrey_camera_driver/PointGreyCameraNodelet",
+    "yocs_cmd_vel_mux/CmdVelMuxNodelet",
+    "yocs_velocity_smoother/VelocitySmootherNodelet",
+]
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_the_library_has_the_node(name):
+    assert MODELS.node(*name.split("/")) is not None
+
+
+@pytest.mark.parametrize("name", NODELETS)
+def test_the_library_has_the_nodelet(name):
+    assert MODELS.nodelet(name) is not None
+
+
+@pytest.mark.parametrize(
+    "filename",
+    [
+        "libgazebo_ros_p3d.so",
+        "libhector_gazebo_ros_imu.so",
+        "libgazebo_ros_multicamera.so",
+        "libgazebo_ros_laser.so",
+        "libgazebo_ros_diff_drive.so",
+        "gazebo_ros_imu",
+        "/opt/ros/melodic/lib/libgazebo_ros_control.so",
+        "libhector_gazebo_ros_gps.so",
+        "libgazebo_ros_camera.so",
+        "libgazebo_ros_openni_kinect.so",
+        "libfetch_gazebo_plugin.so",
+        "libgazebo_ros_kobuki.so",
+    ],
+)
+def test_the_library_has_the_gazebo_plugin(filename):
+    assert MODELS.gazebo_plugin(filename) is not None
+
+
+@pytest.mark.parametrize("layer", ["Static", "Inflation", "Obstacle", "Voxel", "FetchDepth"])
+def test_the_library_has_the_costmap_layer(layer):
+    assert MODELS.costmap_layer(f"costmap_2d::{layer}Layer") is not None
+
+
+@pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)
+def test_every_expression_parses(key):
+    for kind, text in texts(MODELS.by_name[key]):
+        for expression in [text] if kind == "expression" else _BRACES.findall(text):
+            assert ast.parse(expression.strip(), mode="eval").body
+
+
+@pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)
+def test_every_literal_use_leads_to_a_model_that_gets_what_it_needs(key):
+    for entry in MODELS.by_name[key].walk():
+        if entry.uses is not None and "{" not in entry.uses:
+            used = MODELS.named(entry.uses)
+            assert used is not None, entry.uses
+            assert set(entry.given) == set(used.needs), entry.uses
+
+
+@pytest.mark.parametrize("key", sorted(k for k in MODELS.by_name if k[0] == "node"), ids="/".join)
+def test_every_node_is_evaluated_without_parameters(key):
+    found = interface(MODELS.by_name[key], site(name="/ns/node"))
+    for declaration in found.declarations:
+        assert declaration.name.startswith("/")
+        assert "//" not in declaration.name
+        assert declaration.type == "" or TYPE.fullmatch(declaration.type), declaration
+        assert declaration.type.endswith("Action") is declaration.kind.startswith("action")
+        assert all(e.file.startswith("github.com/") for e in declaration.evidence)
+
+
+@pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)
+def test_every_explicit_endpoint_names_a_line(key):
+    for entry in MODELS.by_name[key].walk():
+        assert entry.kind is None or entry.line or ":" in entry.at
+
+
+def test_costmap_layers_of_before_hydro():
+    values = {
+        "/move_base/global_costmap/static_map": True,
+        "/move_base/global_costmap/map_topic": "/other_map",
+        "/move_base/local_costmap/observation_sources": "scan",
+        "/move_base/local_costmap/scan": {"data_type": "LaserScan", "topic": "/laser"},
+    }
+    found = interface(MODELS.node("move_base", "move_base"), site(name="/move_base", values=values))
+    assert ("subscribe", "/other_map", "nav_msgs/OccupancyGrid") in told(found)
+    assert ("subscribe", "/laser", "sensor_msgs/LaserScan") in told(found)
+    layers = {name.split("/")[3] for name in names(found, "publish") if "layer/" in name}
+    assert layers == {"static_layer", "obstacle_layer", "inflation_layer"}
+
+
+def test_with_plugins_a_layer_reads_only_its_own_parameters():
+    plugins = [{"name": "obstacles", "type": "costmap_2d::ObstacleLayer"}]
+    values = {
+        "/move_base/local_costmap/plugins": plugins,
+        "/move_base/local_costmap/observation_sources": "scan",
+    }
+    found = interface(MODELS.node("move_base", "move_base"), site(name="/move_base", values=values))
+    assert "/scan" not in names(found, "subscribe")
+
+
+def test_an_unknown_layer_type_is_unresolved():
+    plugins = [{"name": "people", "type": "social_navigation_layers::ProxemicLayer"}]
+    values = {"/move_base/local_costmap/plugins": plugins}
+    found = interface(MODELS.node("move_base", "move_base"), site(name="/move_base", values=values))
+    assert "costmap_layer:social_navigation_layers::ProxemicLayer" in {
+        u.what for u in found.unresolved
+    }
+
+
+def test_twist_mux_as_its_parameters_say():
+    values = {
+        "/twist_mux/topics": [
+            {"name": "joy", "topic": "joy_teleop/cmd_vel", "priority": 10},
+            {"name": "nav", "topic": "/cmd_vel_nav", "priority": 1},
+        ],
+        "/twist_mux/locks": [{"name": "stop", "topic": "e_stop", "priority": 255}],
+    }
+    found = interface(MODELS.node("twist_mux", "twist_mux"), site(name="/twist_mux", values=values))
+    assert told(found) == {
+        ("publish", "/cmd_vel_out", "geometry_msgs/Twist"),
+        ("publish", "/diagnostics", "diagnostic_msgs/DiagnosticArray"),
+        ("subscribe", "/joy_teleop/cmd_vel", "geometry_msgs/Twist"),
+        ("subscribe", "/cmd_vel_nav", "geometry_msgs/Twist"),
+        ("subscribe", "/e_stop", "std_msgs/Bool"),
+    }
+
+
+@pytest.mark.parametrize(
+    ("args", "expected"),
+    [
+        ("pub /goal geometry_msgs/Pose x", ("publish", "/goal", "geometry_msgs/Pose")),
+        ("pub -r 10 goal std_msgs/Empty", ("publish", "/ns/goal", "std_msgs/Empty")),
+        ("pub -1 /goal std_msgs/Empty", ("publish", "/goal", "std_msgs/Empty")),
+        ("echo /odom", ("subscribe", "/odom", "")),
+    ],
+)
+def test_rostopic(args, expected):
+    found = interface(MODELS.node("rostopic", "rostopic"), site(name="/ns/pub", args=args))
+    assert told(found) == {expected}
+
+
+@pytest.mark.parametrize(
+    ("args", "subscribed", "unresolved"),
+    [
+        ("-O /tmp/x /odom scan", {"/odom", "/ns/scan"}, 0),
+        ("-a", set(), 1),
+        ("-e /camera.*", set(), 1),
+    ],
+)
+def test_rosbag_record(args, subscribed, unresolved):
+    found = interface(MODELS.node("rosbag", "record"), site(name="/ns/record", args=args))
+    assert names(found, "subscribe") == subscribed
+    assert len(found.unresolved) == unresolved
+
+
+@pytest.mark.parametrize(
+    ("executable", "args", "subscribed", "published"),
+    [
+        ("relay", "/a b", "/a", "/ns/b"),
+        ("relay", "/a", "/a", "/a_relay"),
+        ("throttle", "messages /a 10 /b", "/a", "/b"),
+        ("throttle", "messages /a 10", "/a", "/a_throttle"),
+        ("throttle", "bytes /a 1000 2 /b", "/a", "/b"),
+        ("drop", "/a 1 2", "/a", "/a_drop"),
+        ("mux", "/out /a", "/a", "/out"),
+        ("demux", "/a /out", "/a", "/out"),
+    ],
+)
+def test_topic_tools(executable, args, subscribed, published):
+    found = interface(MODELS.node("topic_tools", executable), site(name="/ns/tool", args=args))
+    assert names(found, "subscribe") == {subscribed}
+    assert names(found, "publish") - {"/ns/mux/selected", "/ns/demux/selected"} == {published}
+
+
+def test_rosserial_and_rosbridge_say_what_they_cannot_know():
+    for name in ("rosserial_python/serial_node.py", "rosbridge_server/rosbridge_websocket"):
+        assert interface(MODELS.node(*name.split("/")), site()).unresolved
+
+
+def test_image_transport_of_a_subscriber():
+    model = MODELS.nodelet("image_proc/debayer")
+    values = {"/camera/debayer/image_transport": "compressed"}
+    found = interface(model, site(name="/camera/debayer", values=values))
+    assert ("subscribe", "/camera/image_raw/compressed", "sensor_msgs/CompressedImage") in told(
+        found
+    )
+    assert "/camera/image_raw" not in names(found, "subscribe")
+
+
+def test_disabled_image_transports():
+    values = {"/cam/image_raw/disable_pub_plugins": ["image_transport/theora"]}
+    found = interface(MODELS.node("usb_cam", "usb_cam_node"), site(name="/cam", values=values))
+    published = names(found, "publish")
+    assert "/cam/image_raw/compressed" in published
+    assert "/cam/image_raw/theora" not in published
+    assert "/cam/camera_info" in published
+
+
+def plugin_names(filename, **element):
+    plugin = PluginElement(filename=filename, **element)
+    found = plugin_at(MODELS.gazebo_plugin(filename), site(name="/gazebo"), plugin)
+    return names(found, "publish") | names(found, "subscribe")
+
+
+@pytest.mark.parametrize(
+    ("values", "more", "expected"),
+    [
+        ({}, {}, "/cmd_vel"),
+        ({"robotNamespace": "husky"}, {}, "/husky/cmd_vel"),
+        ({"robotNamespace": ""}, {"model_name": "bob"}, "/bob/cmd_vel"),
+        ({}, {"robot_namespace": "", "model_name": "bob"}, "/bob/cmd_vel"),
+        ({}, {"robot_namespace": ""}, "/{model}/cmd_vel"),
+        ({"commandTopic": "/go"}, {}, "/go"),
+    ],
+)
+def test_the_namespace_of_a_gazebo_plugin(values, more, expected):
+    assert expected in plugin_names("libgazebo_ros_diff_drive.so", values=values, **more)
+
+
+@pytest.mark.parametrize(
+    ("cameras", "sides"),
+    [
+        ((), {"left", "right"}),
+        (("left",), {"left"}),
+        (("left_eye", "right_eye"), {"left", "right"}),
+    ],
+)
+def test_a_multicamera_has_a_camera_a_side(cameras, sides):
+    found = plugin_names(
+        "libgazebo_ros_multicamera.so", values={"cameraName": "eyes"}, cameras=cameras
+    )
+    assert {n.split("/")[2] for n in found if n.endswith("/image_raw")} == sides
+
+
+def test_a_controller_lives_below_the_spawners_namespace():
+    types = parameters(
+        {
+            "/arm/traj/type": "position_controllers/JointTrajectoryController",
+            "/arm/js/type": "joint_state_controller/JointStateController",
+            "/arm/odd/type": "my/Controller",
+            "/arm/late/type": UnknownValue("why"),
+        }
+    )
+    spawner = site(name="/arm/spawner", args="--stopped --timeout 10 traj js odd late gone")
+    found = controllers(spawner, types)
+    assert told(found) == {
+        ("subscribe", "/arm/traj/command", "trajectory_msgs/JointTrajectory"),
+        ("publish", "/arm/traj/state", "control_msgs/JointTrajectoryControllerState"),
+        (
+            "action_server",
+            "/arm/traj/follow_joint_trajectory",
+            "control_msgs/FollowJointTrajectoryAction",
+        ),
+        ("service", "/arm/traj/query_state", "control_msgs/QueryTrajectoryState"),
+        ("publish", "/arm/joint_states", "sensor_msgs/JointState"),
+    }
+    assert [(u.what, u.why) for u in found.unresolved] == [
+        ("controller /arm/odd", "no model of my/Controller"),
+        ("controller /arm/late", "its type is not known"),
+        ("controller /arm/gone", "its parameter type is not set"),
+    ]
+
+
+@pytest.mark.parametrize("args", ["spawn js", "--namespace=/arm js", "--namespace /arm js"])
+def test_ways_to_load_a_controller(args):
+    types = parameters({"/arm/js/type": "joint_state_controller/JointStateController"})
+    found = controllers(site(name="/arm/x", args=args), types)
+    assert names(found, "publish") == {"/arm/joint_states"}
+
+
+RVIZ = """
+Visualization Manager:
+  Displays:
+  - {Class: rviz/LaserScan, Enabled: true, Topic: /scan}
+  - {Class: rviz/Image, Enabled: false, Image Topic: /off}
+  - Class: rviz/Group
+    Enabled: true
+    Displays:
+    - {Class: rviz/Map, Enabled: true, Topic: /map}
+    - {Class: rviz/Image, Enabled: true, Image Topic: /camera/image}
+  - {Class: rviz/Group, Enabled: false, Displays: [{Class: rviz/Path, Topic: /hidden}]}
+  - {Class: rviz/Grid, Enabled: true}
+  Tools:
+  - {Class: rviz/MoveCamera}
+  - {Class: rviz/SetGoal, Topic: goal}
+  - {Class: rviz/SetInitialPose}
+"""
+
+
+def test_rviz_as_its_configuration_says(tmp_path):
+    (tmp_path / "my.rviz").write_text(RVIZ, encoding="utf-8")
+    found = interface(
+        MODELS.node("rviz", "rviz"), site(name="/rviz", args=f"-d {tmp_path}/my.rviz")
+    )
+    explicit = {(str(d.kind), d.name) for d in found.declarations if not d.implicit}
+    assert explicit == {
+        ("subscribe", "/scan"),
+        ("subscribe", "/map"),
+        ("subscribe", "/map_updates"),
+        ("subscribe", "/camera/image"),
+        ("publish", "/goal"),
+        ("publish", "/initialpose"),
+    }
+
+
+@pytest.mark.parametrize("text", ["[1, 2]", "a: &x 1", "{", "Visualization Manager: 3", ""])
+def test_rviz_survives_any_configuration(tmp_path, text):
+    (tmp_path / "my.rviz").write_text(text, encoding="utf-8")
+    found = interface(
+        MODELS.node("rviz", "rviz"), site(name="/rviz", args=f"-d {tmp_path}/my.rviz")
+    )
+    assert "/tf" in names(found, "subscribe")
+
+
+@pytest.mark.parametrize("path", ["/nonexistent/mux.yaml", "/dev/zero", "/"])
+def test_a_yaml_file_that_cannot_be_read_leaves_holes(path):
+    model = MODELS.nodelet("yocs_cmd_vel_mux/CmdVelMuxNodelet")
+    found = interface(model, site(name="/mux", values={"/mux/yaml_cfg_file": path}))
+    assert any("{" in name for name in names(found, "subscribe"))
+    assert any("{" in name for name in names(found, "publish"))

@@ -1,0 +1,513 @@
+"""Every model of ROS 2's library can be read, evaluated and followed to its source."""
+
+import ast
+import re
+
+import pytest
+from model_cases import names, site2, told
+
+from rtron.sources.models import LIBRARY2, interface, load_models
+from rtron.sources.models.common.schema import texts
+from rtron.vocabulary import QoS, Reliability, UnknownValue
+
+MODELS = load_models(LIBRARY2)
+_BRACES = re.compile(r"\{([^{}]*)\}")
+_FOLDERS = {"publish": "msg", "subscribe": "msg", "service": "srv", "service_client": "srv"}
+NODES = [
+    "controller_manager/ros2_control_node",
+    "controller_manager/spawner",
+    "depthai_ros_driver/camera_node",
+    "depthimage_to_laserscan/depthimage_to_laserscan_node",
+    "gazebo_ros/spawn_entity.py",
+    "hls_lfcd_lds_driver/hlds_laser_publisher",
+    "image_proc/rectify_node",
+    "joint_state_publisher/joint_state_publisher",
+    "joint_state_publisher_gui/joint_state_publisher_gui",
+    "joy/game_controller_node",
+    "joy/joy_node",
+    "joy_linux/joy_linux_node",
+    "laser_filters/scan_to_scan_filter_chain",
+    "ld08_driver/ld08_driver",
+    "nav2_amcl/amcl",
+    "nav2_behaviors/behavior_server",
+    "nav2_bt_navigator/bt_navigator",
+    "nav2_collision_monitor/collision_monitor",
+    "nav2_controller/controller_server",
+    "nav2_lifecycle_manager/lifecycle_manager",
+    "nav2_map_server/map_server",
+    "nav2_planner/planner_server",
+    "nav2_route/route_server",
+    "nav2_smoother/smoother_server",
+    "nav2_velocity_smoother/velocity_smoother",
+    "nav2_waypoint_follower/waypoint_follower",
+    "opennav_docking/opennav_docking",
+    "pointcloud_to_laserscan/pointcloud_to_laserscan_node",
+    "realsense2_camera/realsense2_camera_node",
+    "robot_localization/ekf_node",
+    "robot_localization/navsat_transform_node",
+    "robot_localization/ukf_node",
+    "robot_state_publisher/robot_state_publisher",
+    "ros2action/send_goal",
+    "ros2bag/play",
+    "ros2bag/record",
+    "ros2service/call",
+    "ros2topic/echo",
+    "ros2topic/pub",
+    "ros_gz_sim/create",
+    "rosapi/rosapi_node",
+    "rosbridge_server/rosbridge_websocket",
+    "rplidar_ros/rplidar_node",
+    "rviz2/rviz2",
+    "sllidar_ros2/sllidar_node",
+    "slam_toolbox/async_slam_toolbox_node",
+    "slam_toolbox/lifelong_slam_toolbox_node",
+    "slam_toolbox/localization_slam_toolbox_node",
+    "slam_toolbox/sync_slam_toolbox_node",
+    "teleop_twist_joy/teleop_node",
+    "teleop_twist_keyboard/teleop_twist_keyboard",
+    "tf2_ros/static_transform_publisher",
+    "topic_tools/mux",
+    "topic_tools/relay",
+    "turtlebot3_node/turtlebot3_ros",
+    "turtlebot4_node/turtlebot4_node",
+    "twist_mux/twist_mux",
+    "usb_cam/usb_cam_node_exe",
+    "v4l2_camera/v4l2_camera_node",
+    "web_video_server/web_video_server",
+]
+CONTROLLERS = [
+    "diff_drive_controller/DiffDriveController",
+    "forward_command_controller/ForwardCommandController",
+    "imu_sensor_broadcaster/IMUSensorBroadcaster",
+    "joint_state_broadcaster/JointStateBroadcaster",
+    "joint_trajectory_controller/JointTrajectoryController",
+]
+
+
+def modelled(type, /, **at):
+    return interface(MODELS.node(*type.split("/")), site2(**at), models=MODELS)
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_the_library_of_ros2_has_the_node(name):
+    assert MODELS.node(*name.split("/")) is not None
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_the_library_of_ros2_has_the_controller(name):
+    assert MODELS.controller(name) is not None
+
+
+@pytest.mark.parametrize("name", sorted(n for kind, n in MODELS.by_name if kind == "controller"))
+def test_a_controller_has_no_services_of_its_lifecycle(name):
+    found = interface(MODELS.controller(name), site2(name="/arm"), models=MODELS)
+    names = {declared.name for declared in found.declarations}
+    assert "/arm/transition_event" in names
+    assert "/arm/change_state" not in names
+
+
+@pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)
+def test_every_expression_parses_in_ros2(key):
+    for kind, text in texts(MODELS.by_name[key]):
+        for expression in [text] if kind == "expression" else _BRACES.findall(text):
+            assert ast.parse(expression.strip(), mode="eval").body
+
+
+@pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)
+def test_every_literal_use_in_ros2_leads_to_a_model_that_gets_what_it_needs(key):
+    for entry in MODELS.by_name[key].walk():
+        if entry.uses is not None and "{" not in entry.uses:
+            used = MODELS.named(entry.uses)
+            assert used is not None, entry.uses
+            assert set(entry.given) == set(used.needs), entry.uses
+
+
+@pytest.mark.parametrize("distribution", ["humble", "jazzy", "kilted", "rolling"])
+@pytest.mark.parametrize("key", sorted(k for k in MODELS.by_name if k[0] == "node"), ids="/".join)
+def test_every_node_of_ros2_is_evaluated_without_parameters(key, distribution):
+    at = site2(name="/ns/node", environ=[("ROS_DISTRO", distribution)])
+    found = interface(MODELS.by_name[key], at, models=MODELS)
+    assert all("value" not in note.why for note in found.unresolved), found.unresolved
+    for declaration in found.declarations:
+        assert declaration.name.startswith("/")
+        assert "//" not in declaration.name
+        folder = _FOLDERS.get(declaration.kind.value, "action")
+        typed = declaration.type.split("/")
+        assert declaration.type == "" or (len(typed), typed[1]) == (3, folder), declaration
+        assert declaration.node in {made.name for made in found.nodes}
+
+
+def test_every_endpoint_of_nav2_has_its_quality_of_service():
+    for (kind, name), model in MODELS.by_name.items():
+        nav2 = name.startswith(("nav2_", "opennav_")) and kind in {"node", "part", "plugin"}
+        for entry in model.walk() if nav2 else ():
+            joins = entry.publish or entry.subscribe
+            assert entry.qos or not joins or "bond" in joins, (name, entry)
+
+
+PLACELESS = {
+    "controller_manager/spawner",
+    "rviz2/rviz2",
+    "position_controllers/GripperActionController",
+}
+"""What its command line, its file or an older release tells."""
+
+
+def test_every_endpoint_of_the_newest_release_names_a_line():
+    for (_, name), model in MODELS.by_name.items():
+        for entry in model.walk():
+            older = "not since" in (entry.condition or "") or "not kilted" in (
+                entry.condition or ""
+            )
+            placed = entry.line or ":" in entry.at
+            assert (
+                entry.kind is None
+                or placed
+                or older
+                or PLACELESS & {name, *model.node, *model.controller}
+            ), (
+                name,
+                entry.name,
+            )
+
+
+def test_a_twist_mux_of_ros2_hears_what_its_parameters_name():
+    settings = {
+        "topics.joy.topic": "joy_vel",
+        "topics.joy.priority": 100,
+        "topics.nav.topic": "/nav_vel",
+        "locks.stop.topic": "e_stop",
+        "use_stamped": True,
+    }
+    found = modelled("twist_mux/twist_mux", name="/r/mux", settings={"/**": settings})
+    assert told(found) >= {
+        ("subscribe", "/r/joy_vel", "geometry_msgs/msg/TwistStamped"),
+        ("subscribe", "/nav_vel", "geometry_msgs/msg/TwistStamped"),
+        ("subscribe", "/r/e_stop", "std_msgs/msg/Bool"),
+        ("publish", "/r/cmd_vel_out", "geometry_msgs/msg/TwistStamped"),
+    }
+    assert len(names(found, "subscribe")) == 3
+
+
+def test_inputs_of_a_filter_are_counted_and_heard_where_something_of_them_is_used():
+    settings = {
+        "odom0": "wheel/odom",
+        "odom0_config": [False, True],
+        "odom0_queue_size": 3,
+        "odom1": "/visual",
+        "imu0": "imu",
+        "imu0_config": [False, False],
+        "imu2": "other",
+    }
+    found = modelled("robot_localization/ekf_node", settings={"/robot/driver": settings})
+    heard = {d.name: d.qos for d in found.declarations if d.kind.value == "subscribe"}
+    assert heard["/robot/wheel/odom"] == QoS(depth=3, reliability=Reliability.BEST_EFFORT)
+    assert "/visual" in heard
+    assert not {"/robot/imu", "/robot/other"} & heard.keys()
+
+
+def test_a_costmap_is_a_node_of_its_own_with_its_own_parameters():
+    settings = {
+        "/r/local_costmap/local_costmap": {
+            "plugins": ["obstacles", "inflation_layer"],
+            "obstacles.plugin": "nav2_costmap_2d::VoxelLayer",
+            "obstacles.observation_sources": "scan cloud",
+            "obstacles.scan.topic": "/front",
+            "obstacles.cloud.data_type": "PointCloud2",
+        },
+        "/r/controller_server": {"FollowPath.plugin": "dwb_core::DWBLocalPlanner"},
+    }
+    found = modelled(
+        "nav2_controller/controller_server", name="/r/controller_server", settings=settings
+    )
+    costmap = {d.name for d in found.declarations if d.node == "/r/local_costmap/local_costmap"}
+    assert {"/front", "/r/cloud", "/r/local_costmap/obstacles_raw"} <= costmap
+    assert "/r/map" not in costmap
+    own = {d.name for d in found.declarations if d.node == "/r/controller_server"}
+    assert {"/r/evaluation", "/r/cmd_vel", "/r/follow_path"} <= own
+
+
+@pytest.mark.parametrize(
+    ("distribution", "settings", "type"),
+    [
+        ("humble", {}, "Twist"),
+        ("jazzy", {}, "Twist"),
+        ("kilted", {}, "TwistStamped"),
+        ("jazzy", {"enable_stamped_cmd_vel": True}, "TwistStamped"),
+        ("kilted", {"enable_stamped_cmd_vel": False}, "Twist"),
+    ],
+)
+def test_a_velocity_is_stamped_as_the_distribution_and_the_parameters_say(
+    distribution, settings, type
+):
+    found = modelled(
+        "nav2_velocity_smoother/velocity_smoother",
+        settings={"/**": settings},
+        environ=[("ROS_DISTRO", distribution)],
+    )
+    types = {d.type for d in found.declarations if "cmd_vel" in d.name}
+    assert types == {f"geometry_msgs/msg/{type}"}
+
+
+@pytest.mark.parametrize(
+    ("distribution", "topic"),
+    [("humble", "/n/cmd_vel_unstamped"), ("jazzy", "/n/cmd_vel"), ("", "/n/cmd_vel_unstamped")],
+)
+def test_a_parameter_of_older_releases_counts_where_the_distribution_may_be_one(
+    distribution, topic
+):
+    at = site2(
+        name="/n",
+        settings={"/**": {"use_stamped_vel": False}},
+        environ=[("ROS_DISTRO", distribution)] if distribution else [],
+    )
+    found = interface(
+        MODELS.controller("diff_drive_controller/DiffDriveController"), at, models=MODELS
+    )
+    assert names(found, "subscribe") == {topic}
+    assert [note.what for note in found.unresolved] == (
+        [] if distribution else ["the velocities that /n hears"]
+    )
+
+
+def test_a_node_that_its_launch_does_not_name_has_its_own_name():
+    found = modelled("teleop_twist_joy/teleop_node", name="/r/teleop_node", named=False)
+    assert [made.name for made in found.nodes] == ["/r/teleop_twist_joy_node"]
+
+
+HUGE = ["x"] * 5000
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("twist_mux/twist_mux", {"topics.a.topic": 5, "use_stamped": True}),
+        ("twist_mux/twist_mux", {"topics.a.topic": "two words"}),
+        ("robot_localization/ekf_node", {"odom0": ["a"]}),
+        ("robot_localization/ekf_node", {"odom0": "a", "odom0_queue_size": "many"}),
+        ("nav2_controller/controller_server", {"controller_plugins": "FollowPath"}),
+        ("nav2_controller/controller_server", {"controller_plugins": HUGE}),
+        ("nav2_velocity_smoother/velocity_smoother", {"enable_stamped_cmd_vel": "yes"}),
+        ("nav2_lifecycle_manager/lifecycle_manager", {"node_names": [["a"]]}),
+        ("nav2_bt_navigator/bt_navigator", {"navigators": [1, None, {"a": 2}]}),
+        ("slam_toolbox/async_slam_toolbox_node", {"map_name": {"deep": "x"}}),
+        ("joint_state_publisher/joint_state_publisher", {"source_list": 3}),
+        ("topic_tools/mux", {"input_topics": "a"}),
+    ],
+)
+def test_a_parameter_of_another_kind_is_noted(name, settings):
+    found = modelled(name, settings={"/**": settings})
+    assert found.unresolved
+
+
+def test_an_unknown_parameter_leaves_a_symbolic_name():
+    unknown = {"scan_topic": UnknownValue("at run time")}
+    found = modelled("nav2_amcl/amcl", settings={"/**": unknown})
+    heard = [d for d in found.declarations if "LaserScan" in d.type]
+    assert [d.name for d in heard] == ["/robot/{scan_topic}"]
+    assert [d.resolution.value for d in heard] == ["symbolic"]
+
+
+RVIZ = """Visualization Manager:
+  Displays:
+  - Class: rviz_common/Group
+    Enabled: true
+    Displays:
+    - {Class: rviz_default_plugins/LaserScan, Enabled: true,
+       Topic: {Value: /scan, Depth: 7, Reliability Policy: Best Effort}}
+    - {Class: rviz_default_plugins/Path, Enabled: false, Topic: {Value: /plan}}
+  - {Class: rviz_default_plugins/Map, Enabled: true, Topic: {Value: /map},
+     Update Topic: {Value: /map_updates}}
+  - {Class: rviz_default_plugins/Image, Enabled: true, Topic: [1]}
+  - {Class: rviz_default_plugins/RobotModel, Description Source: Topic,
+     Description Topic: {Value: robot_description}}
+  - {Class: rviz_default_plugins/RobotModel, Description Source: File,
+     Description Topic: {Value: unheard}}
+  - {Class: rviz_default_plugins/Camera, Topic: {Value: /eye/image_raw}}
+  - {Class: rviz_default_plugins/DepthCloud, Depth Map Topic: /depth/image,
+     Color Image Topic: /color/image}
+  - {Class: rviz_default_plugins/InteractiveMarkers, Interactive Markers Namespace: /arm/}
+  Tools:
+  - {Class: rviz_default_plugins/SetGoal, Topic: {Value: /goal}}
+  - {Class: rviz_default_plugins/MoveCamera}
+  - 3
+"""
+
+
+def test_an_rviz_shows_and_sends_what_its_file_says(tmp_path):
+    (tmp_path / "app.rviz").write_text(RVIZ)
+    found = modelled("rviz2/rviz2", args=f"-d {tmp_path}/app.rviz --ros-args -r a:=b")
+    assert {t for t in told(found) if "/tf" not in t[1]} == {
+        ("subscribe", "/scan", "sensor_msgs/msg/LaserScan"),
+        ("subscribe", "/map", "nav_msgs/msg/OccupancyGrid"),
+        ("subscribe", "/map_updates", "map_msgs/msg/OccupancyGridUpdate"),
+        ("publish", "/goal", "geometry_msgs/msg/PoseStamped"),
+        ("subscribe", "/robot/robot_description", "std_msgs/msg/String"),
+        ("subscribe", "/eye/image_raw", "sensor_msgs/msg/Image"),
+        ("subscribe", "/eye/camera_info", "sensor_msgs/msg/CameraInfo"),
+        ("subscribe", "/depth/image", "sensor_msgs/msg/Image"),
+        ("subscribe", "/depth/camera_info", "sensor_msgs/msg/CameraInfo"),
+        ("subscribe", "/color/image", "sensor_msgs/msg/Image"),
+        ("subscribe", "/arm/update", "visualization_msgs/msg/InteractiveMarkerUpdate"),
+        ("publish", "/arm/feedback", "visualization_msgs/msg/InteractiveMarkerFeedback"),
+        (
+            "service_client",
+            "/arm/get_interactive_markers",
+            "visualization_msgs/srv/GetInteractiveMarkers",
+        ),
+    }
+    (scan,) = [d for d in found.declarations if d.name == "/scan"]
+    assert scan.qos == QoS(depth=7, reliability=Reliability.BEST_EFFORT)
+
+
+def test_a_bag_is_recorded_and_played():
+    heard = modelled("ros2bag/record", args="-o out --storage mcap --topics /scan /odom -d 9")
+    topics = {t[1:] for t in told(heard) if t[0] == "subscribe"}
+    assert topics == {("/scan", ""), ("/odom", "")}
+    assert heard.unresolved == ()
+    (note,) = modelled("ros2bag/record", args="-a -o out").unresolved
+    assert note.why == "it records whatever is published"
+    played = modelled("ros2bag/play", args="-r 2 run.bag --clock")
+    assert ("publish", "/clock", "rosgraph_msgs/msg/Clock") in told(played)
+    assert [note.what for note in played.unresolved] == ["the topics in run.bag"]
+
+
+@pytest.mark.parametrize(
+    ("distribution", "given", "topics"),
+    [
+        ("humble", {}, ["/robot/driver/robot_description"]),
+        ("humble", {"/**": {"robot_description": "<robot/>"}}, []),
+        ("jazzy", {"/**": {"robot_description": "<robot/>"}}, ["/robot/robot_description"]),
+    ],
+)
+def test_a_controller_manager_asks_for_a_description_it_is_not_given(distribution, given, topics):
+    environ = [("ROS_DISTRO", distribution)]
+    found = modelled("controller_manager/ros2_control_node", settings=given, environ=environ)
+    assert [t[1] for t in told(found) if t[0] == "subscribe"] == topics
+
+
+def test_what_clients_over_the_network_open_is_noted():
+    settings = {"/**": {"topics_glob": "[/odom]"}}
+    bridge = modelled("rosbridge_server/rosbridge_websocket", name="/r/web", settings=settings)
+    assert told(bridge) == {
+        ("publish", "/r/client_count", "std_msgs/msg/Int32"),
+        ("publish", "/r/connected_clients", "rosbridge_msgs/msg/ConnectedClients"),
+    }
+    assert "topics_glob [/odom]" in bridge.unresolved[0].why
+    video = modelled("web_video_server/web_video_server")
+    assert [note.what for note in video.unresolved] == ["the images of web_video_server"]
+    asked = modelled("rosapi/rosapi_node", name="/r/rosapi_node", named=False)
+    assert [node.name for node in asked.nodes] == ["/r/rosapi", "/r/rosapi_params"]
+    assert {name.rpartition("/")[0] for name in names(asked, "service")} == {"/rosapi"}
+
+
+PANELS = """Panels:
+- {Class: rviz_common/Displays}
+- {Class: nav2_rviz_plugins/Navigation 2}
+- 3
+Visualization Manager:
+  Displays: [{Class: nav2_rviz_plugins/ParticleCloud, Topic: {Value: /particle_cloud}}]
+"""
+
+
+def test_the_panel_of_nav2_is_a_node_that_sends_goals(tmp_path):
+    (tmp_path / "app.rviz").write_text(PANELS)
+    found = modelled("rviz2/rviz2", args=f"-d {tmp_path}/app.rviz")
+    panel = [d for d in found.declarations if d.node.endswith("navigation_dialog_action_client")]
+    assert ("action_client", "/robot/follow_waypoints", "nav2_msgs/action/FollowWaypoints") in {
+        (str(d.kind), d.name, d.type) for d in panel
+    }
+    assert "/robot/lifecycle_manager_localization/is_active" in {d.name for d in panel}
+    assert ("subscribe", "/particle_cloud", "nav2_msgs/msg/ParticleCloud") in told(found)
+    (tmp_path / "app.rviz").write_text(PANELS.replace("Navigation 2", "Other"))
+    other = modelled("rviz2/rviz2", args=f"-d {tmp_path}/app.rviz")
+    unknown = modelled("rviz2/rviz2", args="-d /nowhere/app.rviz")
+    for one in (other, unknown):
+        assert not [d for d in one.declarations if str(d.kind) == "action_client"]
+
+
+def test_arguments_that_the_client_library_takes_are_not_the_nodes():
+    found = modelled("topic_tools/relay", args="/in /out --ros-args -r a:=b -p x:=1")
+    ends = {(d.kind.value, d.name) for d in found.declarations}
+    assert ends == {("subscribe", "/in"), ("publish", "/out")}
+
+
+def test_a_spawner_is_called_like_its_first_controller():
+    words = "--controller-manager-timeout 10 -c /cm arm hand"
+    model = MODELS.node("controller_manager", "spawner")
+    found = interface(model, site2("/ns/spawner", args=words, named=False), models=MODELS)
+    assert [node.name for node in found.nodes] == ["/ns/spawner_arm"]
+
+
+@pytest.mark.parametrize(
+    ("named", "name"), [(False, "static_transform_publisher_{id}"), (True, "n")]
+)
+def test_a_static_transform_publisher_names_itself_anew_each_time(named, name):
+    model = MODELS.node("tf2_ros", "static_transform_publisher")
+    found = interface(model, site2("/ns/n", named=named), models=MODELS)
+    assert [node.name for node in found.nodes] == [f"/ns/{name}"]
+
+
+TOOLS = {
+    ("relay", "/in"): ["/in", "/sent"],
+    ("relay", "/in out"): ["/in", "/ns/out"],
+    ("delay", "/in 1.5"): ["/in", "/sent"],
+    ("delay", "/in 1.5 /out"): ["/in", "/out"],
+    ("drop", "/in 1 2"): ["/in", "/sent"],
+    ("drop", "/in 1 2 /out"): ["/in", "/out"],
+    ("throttle", "messages /in 1.0"): ["/in", "/sent"],
+    ("throttle", "messages /in 1.0 /out"): ["/in", "/out"],
+    ("throttle", "bytes /in 1024 1.0"): ["/in", "/sent"],
+    ("throttle", "bytes /in 1024 1.0 /out"): ["/in", "/out"],
+    ("mux", "/out /in1 in2"): ["/in1", "/ns/in2", "/out"],
+    ("demux", "/in /out1 out2"): ["/in", "/out1", "/ns/out2"],
+    ("transform", "/in /out std_msgs/Float64 m.x -i numpy"): ["/in", "/out"],
+    ("relay_field", "in /out std_msgs/msg/Bool {data:1}"): ["/nsin", "/out"],
+}
+GIVEN = {"input_topic": "/given", "output_topic": "/sent"}
+LISTED = {"input_topics": ("/a", "b"), "output_topics": ("/a", "b"), "initial_topic": "/c"}
+
+
+def ends_of(found):
+    heard, sent = names(found, "subscribe"), names(found, "publish")
+    return sorted(heard), sorted(sent)
+
+
+@pytest.mark.parametrize(("tool", "words"), TOOLS)
+def test_the_words_of_a_topic_tool_count_before_its_parameters(tool, words):
+    site = site2("/ns/tool", {"/**": GIVEN | LISTED | {"initial_topic": ""}}, args=words)
+    found = interface(MODELS.node("topic_tools", tool), site, models=MODELS)
+    heard, sent = ends_of(found)
+    assert sorted([*heard, *sent]) == sorted(TOOLS[tool, words])
+    assert found.unresolved == ()
+
+
+@pytest.mark.parametrize("tool", ["relay", "delay", "drop", "throttle"])
+@pytest.mark.parametrize("words", ["", "messages"])
+def test_a_topic_tool_has_the_topics_of_its_parameters(tool, words):
+    words = words if tool == "throttle" else ""
+    model = MODELS.node("topic_tools", tool)
+    found = interface(model, site2("/ns/tool", {"/**": GIVEN}, args=words), models=MODELS)
+    assert ends_of(found) == (["/given"], ["/sent"])
+    unset = interface(model, site2("/ns/tool"), models=MODELS)
+    assert [note.why for note in unset.unresolved] == ["the parameter input_topic is not set"]
+
+
+def test_a_topic_tool_names_its_output_after_itself_where_nothing_else_does():
+    found = interface(MODELS.node("topic_tools", "drop"), site2("/d", args="in 1 2"), models=MODELS)
+    assert ends_of(found) == (["/in"], ["/in_drop"])
+
+
+def test_a_mux_hears_and_a_demux_sends_what_it_is_set_to():
+    found = interface(MODELS.node("topic_tools", "mux"), site2("/m", {"/**": LISTED}))
+    assert ends_of(found) == (["/a", "/b", "/c"], ["/m/selected"])
+    found = interface(MODELS.node("topic_tools", "demux"), site2("/d", {"/**": LISTED}))
+    assert ends_of(found) == (["/d/input"], ["/a", "/b", "/c"])
+
+
+def test_a_transform_has_a_name_that_ends_in_its_number():
+    words = "/in /out std_msgs/Float64 m --field x"
+    site = site2("/ns/transform", args=words, named=False)
+    found = interface(MODELS.node("topic_tools", "transform"), site, models=MODELS)
+    assert [node.name for node in found.nodes] == ["/ns/transform_{pid}"]
+    assert ("publish", "/out", "std_msgs/msg/Float64") in told(found)

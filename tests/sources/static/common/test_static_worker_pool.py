@@ -1,0 +1,62 @@
+import os
+import signal
+
+from rtron.sources.declaration import NodeSite
+from rtron.sources.static.common.task import Task, TaskKind
+from rtron.sources.static.common.worker_pool import Pool
+from rtron.sources.workspace import read_workspace
+
+
+def tasks_in(folder, count):
+    source = folder / "robot/scripts/teleop.py"
+    return [
+        Task(kind=TaskKind.PYTHON, sources=(source,), site=NodeSite(name=f"/n{number}"))
+        for number in range(count)
+    ]
+
+
+def names(result):
+    return {declared.name for declared in result.interface.declarations}
+
+
+def test_processes_that_end_cost_no_result(folder):
+    pool = Pool(read_workspace([folder], {}), 1, 60)
+    found = {}
+    for task, result in pool.run(tasks_in(folder, 3)):
+        if not found:
+            for process in list(pool._executor._processes):
+                os.kill(process, signal.SIGKILL)
+        found[task.site.name] = names(result)
+    pool.close()
+    assert found == {name: {"/cmd_vel", "/go"} for name in ("/n0", "/n1", "/n2")}
+
+
+def test_no_more_processes_are_started_than_there_are_cores(folder, monkeypatch):
+    monkeypatch.setattr("rtron.sources.static.common.worker_pool.default_workers", lambda: 2)
+    pool = Pool(read_workspace([folder], {}), 100_000, 60)
+    assert sum(1 for _ in pool.run(tasks_in(folder, 3))) == 3
+    assert len(pool._executor._processes) == 2
+    pool.close()
+
+
+def test_no_tasks_start_no_process(folder):
+    pool = Pool(read_workspace([folder], {}), 2, 60)
+    assert list(pool.run([])) == []
+    assert pool._executor is None
+
+
+def test_a_pool_works_again_after_it_was_closed(folder):
+    pool = Pool(read_workspace([folder], {}), 2, 60)
+    for _ in range(2):
+        ((_, result),) = pool.run(tasks_in(folder, 1))
+        pool.close()
+        assert names(result) == {"/cmd_vel", "/go"}
+
+
+def test_the_files_that_count_are_told(folder):
+    pool = Pool(read_workspace([folder], {}), 1, 60)
+    source = folder / "robot/src/driver.cpp"
+    task = Task(kind=TaskKind.CPP, sources=(source,), site=NodeSite(name="/driver"))
+    ((_, result),) = pool.run([task])
+    pool.close()
+    assert {path.rpartition("/")[2] for path, _ in result.files} >= {"driver.cpp", "names.h"}

@@ -1,0 +1,112 @@
+"""Controllers of ros2_control whose source is in the workspace."""
+
+import pytest
+
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.ros2.app import scan_ros2_app
+
+MANIFEST = """<package format="3"><name>own</name><export><build_type>ament_cmake</build_type>
+  <controller_interface plugin="${prefix}/plugins.xml"/></export></package>"""
+CMAKE = """cmake_minimum_required(VERSION 3.8)
+project(own)
+add_library(own SHARED src/light.cpp src/other.cpp)
+pluginlib_export_plugin_description_file(controller_interface plugins.xml)
+ament_package()
+"""
+PLUGINS = """<library path="own">
+  <class name="own/Light" type="own::Light"
+         base_class_type="controller_interface::ControllerInterface"/>
+  <class name="own/Other" type="own::Other"
+         base_class_type="controller_interface::ChainableControllerInterface"/>
+</library>"""
+HEADER = """#include <controller_interface/controller_interface.hpp>
+namespace own {
+class Light : public controller_interface::ControllerInterface {
+public:
+  CallbackReturn on_init() override;
+  CallbackReturn on_configure(const rclcpp_lifecycle::State & before) override;
+  std::shared_ptr<ParamListener> listener_;
+};
+}
+"""
+LIGHT = """#include "light.hpp"
+namespace own {
+CallbackReturn own::Light::on_init() {
+  listener_ = std::make_shared<ParamListener>(get_node());
+  return CallbackReturn::SUCCESS;
+}
+CallbackReturn own::Light::on_configure(const rclcpp_lifecycle::State &) {
+  if (!listener_) { return CallbackReturn::ERROR; }
+  auto name = auto_declare<std::string>("topic", "~/light");
+  get_node()->create_publisher<std_msgs::msg::Bool>(name, 1);
+  get_node()->create_subscription<std_msgs::msg::Bool>("switch", 1, [](auto) {});
+  return CallbackReturn::SUCCESS;
+}
+}
+"""
+OTHER = """#include <controller_interface/chainable_controller_interface.hpp>
+namespace own {
+class Other : public controller_interface::ChainableControllerInterface {
+  CallbackReturn on_init() override {
+    get_node()->create_publisher<std_msgs::msg::Bool>("~/other", 1);
+    return CallbackReturn::SUCCESS;
+  }
+};
+}
+"""
+LAUNCH = """<launch>
+  <node pkg="controller_manager" exec="ros2_control_node">
+    <param from="$(find-pkg-share own)/control.yaml"/></node>
+  <node pkg="controller_manager" exec="spawner" args="lamp {more}"/>
+</launch>"""
+YAML = """controller_manager:
+  ros__parameters:
+    lamp: {type: own/Light}
+    second: {type: own/Other}
+    missing: {type: own/None}
+lamp:
+  ros__parameters: {topic: "~/glow"}
+"""
+
+
+@pytest.fixture
+def launched(tmp_path):
+    """Return the graph of a launch that spawns a lamp and more controllers."""
+    top = tmp_path / "own"
+    (top / "src").mkdir(parents=True)
+    files = {"package.xml": MANIFEST, "CMakeLists.txt": CMAKE, "plugins.xml": PLUGINS}
+    files |= {"src/light.hpp": HEADER, "src/light.cpp": LIGHT, "src/other.cpp": OTHER}
+    files |= {"control.yaml": YAML}
+    for name, text in files.items():
+        (top / name).write_text(text)
+
+    def scan(more=""):
+        (top / "app.launch.xml").write_text(LAUNCH.format(more=more))
+        launches = [(top / "app.launch.xml", {})]
+        return scan_ros2_app([top], launches, {}, ScanOptions(workers=1))
+
+    return scan
+
+
+def ends(graph, node):
+    return {
+        (e.direction.value, e.topic) for e in graph.endpoints if e.node == node and not e.implicit
+    }
+
+
+def test_a_controller_is_read_from_its_source(launched):
+    graph = launched("second")
+    assert ends(graph, "/lamp") == {("publish", "/lamp/glow"), ("subscribe", "/switch")}
+    assert ends(graph, "/second") == {("publish", "/second/other")}
+    assert graph.unresolved == ()
+    (sent,) = graph.publishers("/lamp/glow")
+    assert sent.evidence[-1].file.endswith("light.cpp")
+    services = {s.name for s in graph.services}
+    assert "/lamp/get_parameters" in services
+    assert "/lamp/change_state" not in services
+    assert {node.package for node in graph.nodes if node.name == "/lamp"} == {"own"}
+
+
+def test_a_controller_of_which_there_is_no_source_is_noted(launched):
+    graph = launched("missing")
+    assert [note.why for note in graph.unresolved] == ["no model of own/None"]

@@ -1,0 +1,39 @@
+"""The guard announces itself often, unless the user has profiles of Fast DDS."""
+
+import pytest
+from defusedxml.ElementTree import parse
+
+from rtron.wire.ros2.discovery_tuning import announce_often
+
+NAMES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
+SPACE = "{http://www.eprosima.com}"
+
+
+@pytest.mark.parametrize(
+    ("distribution", "name"), [("", NAMES[0]), ("kilted", NAMES[0]), ("jazzy", NAMES[1])]
+)
+def test_fast_dds_is_given_a_profile_with_a_short_period(distribution, name):
+    environ = {"ROS_DISTRO": distribution}
+    assert announce_often(environ)
+    assert set(environ) == {"ROS_DISTRO", name}
+    found = parse(environ[name]).getroot()
+    (period,) = found.iter(f"{SPACE}leaseAnnouncement")
+    assert [each.text for each in period] == ["0", "100000000"]
+    (profile,) = found.iter(f"{SPACE}participant")
+    assert profile.get("is_default_profile") == "true"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_users_own_profiles_count(name):
+    environ = {name: "/etc/dds.xml"}
+    assert not announce_often(environ)
+    assert environ == {name: "/etc/dds.xml"}
+
+
+def test_a_process_that_the_guard_has_started_has_its_profile_and_no_user_s(caplog):
+    environ = {}
+    with caplog.at_level("INFO"):
+        assert announce_often(environ)
+        before = dict(environ)
+        assert announce_often(environ)
+    assert (environ, caplog.text) == (before, "")

@@ -1,0 +1,51 @@
+"""Room for a crowd of messages in the sockets that are opened meanwhile, and in no others."""
+
+import socket
+from contextlib import ExitStack
+
+import pytest
+
+from rtron.wire.ros2.receive_buffers import ROOM, roomy_sockets
+
+
+def room(sock):
+    return sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+
+
+@pytest.fixture
+def opened():
+    with ExitStack() as stack:
+        yield lambda kind: stack.enter_context(socket.socket(socket.AF_INET, kind))
+
+
+def test_datagram_sockets_of_the_block_get_room(opened):
+    with roomy_sockets():
+        sock = opened(socket.SOCK_DGRAM)
+        before = room(sock)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as most:
+        most.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+        assert room(sock) == room(most) >= before
+
+
+def test_they_still_work_afterwards(opened):
+    with roomy_sockets():
+        sock = opened(socket.SOCK_DGRAM)
+    sock.bind(("127.0.0.1", 0))
+    sock.settimeout(30)
+    sock.sendto(b"word", sock.getsockname())
+    assert sock.recv(10) == b"word"
+
+
+def test_others_keep_what_they_have(opened):
+    earlier = opened(socket.SOCK_DGRAM)
+    before = room(earlier)
+    with roomy_sockets():
+        stream = opened(socket.SOCK_STREAM)
+        its = room(stream)
+    later = opened(socket.SOCK_DGRAM)
+    assert (room(earlier), room(stream), room(later)) == (before, its, before)
+
+
+def test_a_socket_that_is_closed_meanwhile_is_no_fault():
+    with roomy_sockets(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM):
+        pass
